@@ -6,7 +6,7 @@
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/live_source.h>
-#include <headway/io/observation_calibration.h>
+#include <headway/io/raw_camera.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "bag_rig.h"
-#include "bag_survey.h"
 #include "message_import.h"
 
 namespace headway::bags::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "transform_tree.h"
-
 #include <gtest/gtest.h>
+
+#include "bag_rig.h"
 
 namespace headway::bags {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "wire_reader.h"
-
 #include <gmock/gmock.h>
 
 #include <limits>

@@ -4,7 +4,7 @@
 #include <headway/core/error.h>
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/live_source.h>
-#include <headway/io/observation_calibration.h>
+#include <headway/io/raw_camera.h>
 #include <headway_test/folders.h>
 #include <headway_test/paths.h>
 #include <headway_test/waiting.h>

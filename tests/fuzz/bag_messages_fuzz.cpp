@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "broken_data.h"
-#include "image_conversion.h"
+#include "bag_file.h"
 #include "messages.h"
 #include "observations.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // libFuzzer target of encoded images: JPEG, PNG, BMP, PNM and TIFF.
-#include <headway/io/image_decoding.h>
+#include <headway/io/image_file.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 
-#include "rectifier.h"
+#include "frame_decoder.h"
 #include "synthetic_recording.h"
 
 namespace headway::io {

@@ -2,10 +2,10 @@
 // Recordings of depth cameras: intensity and depth as frames with given disparities.
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>
-#include <headway/io/image_decoding.h>
+#include <headway/io/image_file.h>
 #include <headway/io/live_source.h>
 #include <headway/io/mrpt_time.h>
-#include <headway/io/observation_calibration.h>
+#include <headway/io/raw_camera.h>
 #include <headway_test/folders.h>
 
 #include <cmath>
@@ -13,7 +13,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "depth_registration.h"
 #include "rectifier.h"
 #include "synthetic_recording.h"
 

@@ -4,7 +4,7 @@
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
-#include <headway/io/observation_calibration.h>
+#include <headway/io/raw_camera.h>
 #include <headway_test/folders.h>
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/img/TStereoCamera.h>

@@ -2,7 +2,7 @@
 // Images that are larger than the limits are refused by their headers, before they take memory.
 #include <gmock/gmock.h>
 #include <headway/io/dataset.h>
-#include <headway/io/image_decoding.h>
+#include <headway/io/image_file.h>
 #include <headway_test/black_png.h>
 #include <headway_test/folders.h>
 #include <headway_test/peak_memory.h>

@@ -18,7 +18,7 @@
 #include <sstream>
 
 #include "foreign_recording.h"
-#include "kitti_files.h"
+#include "kitti_odometry.h"
 #include "motion_prior.h"
 #include "synthetic_recording.h"
 #include "text_rows.h"

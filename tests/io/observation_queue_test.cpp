@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
-#include <headway/io/observation_queue.h>
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservationOdometry.h>
 

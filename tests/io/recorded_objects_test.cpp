@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/gnss_fix.h>
 #include <headway/io/mrpt_time.h>
 #include <headway_test/folders.h>
 #include <mrpt/math/CMatrixD.h>
@@ -22,7 +23,6 @@
 #include "foreign_recording.h"
 #include "object_bytes.h"
 #include "observation_stream.h"
-#include "recorded_gnss.h"
 
 namespace headway::io {
 namespace {

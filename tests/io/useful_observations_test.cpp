@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "useful_observations.h"
-
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 #include <headway/io/mrpt_time.h>
@@ -8,6 +6,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include "foreign_recording.h"
+#include "observation_selection.h"
 #include "synthetic_recording.h"
 
 namespace headway::io {

@@ -1,43 +1,215 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// How messages become frames and observations: images are paired, and all put in the order of their
+// times.
 #include <headway/bags/bag_import.h>
 #include <headway/core/error.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "bag_file.h"
 #include "bag_rig.h"
-#include "bag_survey.h"
 #include "message_import.h"
+#include "observations.h"
 
 namespace headway::bags {
 namespace {
 
-/// Writes the selected frames and what was measured between them.
-class EventWriter {
- public:
-  EventWriter(const BagImportOptions& options, io::RawlogSink& sink, BagImportSummary& summary)
-      : options_(options), sink_(sink), summary_(summary) {}
+constexpr double kStereoTolerance = 0.01;  // between left and right image, as in rawlogs [s]
+constexpr double kDepthTolerance = 0.02;   // between colour and depth [s]
+constexpr std::size_t kSampleBytes = 1000;
 
-  /// False after the last frame.
-  [[nodiscard]] bool write(const TimeOrder::Event& event) {
-    const bool is_frame = event.kind == nullptr;
-    if (is_frame && options_.last_frame && frame_ > *options_.last_frame) return false;
-    const bool is_selected = frame_ >= options_.first_frame;
-    if (is_selected) {
-      event.write(sink_);
-      ++(is_frame ? summary_.frames : summary_.written[event.kind]);
-    }
-    if (is_frame) ++frame_;
-    return true;
+bool isAmong(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+ConvertedImage convert(const BagTopic& topic, const BagMessage& message, bool is_depth,
+                       MessageHeader& header) {
+  if (topic.type == "sensor_msgs/CompressedImage") {
+    const auto image = decodeCompressedImage(message.content, topic.encoding);
+    header = image.header;
+    return is_depth ? depthFrom(image) : pictureFrom(image);
   }
+  const auto image = decodeImageMessage(message.content, topic.encoding);
+  header = image.header;
+  return is_depth ? depthFrom(image) : pictureFrom(image);
+}
 
-  [[nodiscard]] std::size_t framesRead() const { return frame_; }
-
- private:
-  const BagImportOptions& options_;
-  io::RawlogSink& sink_;
-  BagImportSummary& summary_;
-  std::size_t frame_ = 0;
-};
+std::size_t bytesOf(const cv::Mat& image) { return image.total() * image.elemSize(); }
 
 }  // namespace
+
+MessageImport::MessageImport(const BagImportOptions& options, const BagRig& rig,
+                             BagImportSummary& summary)
+    : options_(options),
+      rig_(rig),
+      summary_(summary),
+      is_stereo_(!options.topics.left.empty()),
+      pairing_(is_stereo_ ? kStereoTolerance : kDepthTolerance) {}
+
+void MessageImport::add(const BagTopic& topic, const BagMessage& message) {
+  const auto& topics = options_.topics;
+  try {
+    if (topic.name == (is_stereo_ ? topics.left : topics.color)) {
+      addImage(0, topic, message);
+    } else if (topic.name == (is_stereo_ ? topics.right : topics.depth)) {
+      addImage(1, topic, message);
+    } else if (isAmong(topics.imu, topic.name)) {
+      addImu(topic, message);
+    } else if (topic.name == topics.odometry) {
+      addOdometry(topic, message);
+    } else if (isAmong(topics.scans, topic.name)) {
+      addScan(topic, message);
+    } else if (topic.name == topics.gnss) {
+      addFix(topic, message);
+    }
+  } catch (const BrokenData&) {
+    ++summary_.dropped["unreadable_" + topic.type];
+  }
+}
+
+Time MessageImport::timeOf(const MessageHeader& header, const BagMessage& message) {
+  if (header.time_ns != 0) return static_cast<double>(header.time_ns) * 1e-9;
+  ++summary_.dropped["header_without_time"];  // its time alone: that of the recording is used
+  return static_cast<double>(message.received_ns) * 1e-9;
+}
+
+void MessageImport::addImage(std::size_t side, const BagTopic& topic, const BagMessage& message) {
+  const bool is_depth = !is_stereo_ && side == 1;
+  MessageHeader header;
+  auto converted = convert(topic, message, is_depth, header);
+  if (const auto* reason = std::get_if<std::string>(&converted)) {
+    ++summary_.dropped[*reason];
+    return;
+  }
+  const cv::Mat& image = std::get<cv::Mat>(converted);
+  if (is_stereo_) {
+    requireSize(image, topic.name, side == 0 ? rig_.stereo.left : rig_.stereo.right);
+  } else {
+    requireSize(image, topic.name, is_depth ? rig_.depth : rig_.color);
+  }
+  if (const auto pair = pairing_.add(side, {timeOf(header, message), image})) addPair(*pair);
+}
+
+void MessageImport::requireSize(const cv::Mat& image, const std::string& topic,
+                                const io::RawCamera& lens) const {
+  if (image.cols == lens.width && image.rows == lens.height) return;
+  throw InputError(topic + ": its images have " + std::to_string(image.cols) + "x" +
+                   std::to_string(image.rows) + " px, its calibration is for " +
+                   std::to_string(lens.width) + "x" + std::to_string(lens.height));
+}
+
+void MessageImport::addPair(const ImagePairing::Pair& pair) {
+  ++pairs_;
+  const cv::Mat first = pair[0].value;
+  const cv::Mat second = pair[1].value;
+  const Time time = pair[0].time;
+  TimeOrder::Event event;
+  event.time = time;
+  event.bytes = bytesOf(first) + bytesOf(second);
+  if (!is_stereo_) {
+    event.write = [first, second, time, &rig = rig_](io::RawlogSink& sink) {
+      sink.write(*depthObservation(first, second, time, rig));
+    };
+  } else if (first.channels() == second.channels()) {
+    event.write = [first, second, time, &rig = rig_](io::RawlogSink& sink) {
+      sink.writeStereo(time, first, second, rig.stereo);
+    };
+  } else {
+    ++summary_.dropped["colour_and_grey_pair"];
+    return;
+  }
+  order_.add(std::move(event));
+}
+
+const Pose* MessageImport::mountingOf(const std::string& topic) {
+  const auto found = rig_.T_robot_sensor.find(topic);
+  if (found != rig_.T_robot_sensor.end()) return &found->second;
+  const auto frame = rig_.frames.find(topic);
+  ++summary_.dropped["no_tf_of_frame_" + (frame == rig_.frames.end() ? "" : frame->second)];
+  return nullptr;
+}
+
+void MessageImport::addImu(const BagTopic& topic, const BagMessage& message) {
+  const ImuMessage imu = decodeImu(message.content, topic.encoding);
+  const Pose* mounting = mountingOf(topic.name);
+  if (mounting == nullptr) return;
+  if (!imu.angular_velocity.allFinite() || !imu.acceleration.allFinite()) {
+    ++summary_.dropped["imu_not_finite"];
+    return;
+  }
+  const Time time = timeOf(imu.header, message);
+  const auto observation = imuObservation(imu, time, *mounting);
+  order_.add({time, "inertial samples", kSampleBytes,
+              [observation](io::RawlogSink& sink) { sink.write(*observation); }});
+}
+
+void MessageImport::addOdometry(const BagTopic& topic, const BagMessage& message) {
+  const OdometryMessage odometry = decodeOdometry(message.content, topic.encoding);
+  const auto T_child_base = rig_.transforms.between(odometry.child_frame, rig_.base_frame);
+  const Pose T_odom_base = odometry.T_odom_child * T_child_base.value_or(Pose::Identity());
+  const Time time = timeOf(odometry.header, message);
+  const Eigen::Vector3d place = T_odom_base.translation();
+  const double yaw = yawOf(T_odom_base);
+  order_.add({time, "odometry", kSampleBytes, [time, place, yaw](io::RawlogSink& sink) {
+                sink.writeOdometry(time, place.x(), place.y(), yaw);
+              }});
+}
+
+void MessageImport::addScan(const BagTopic& topic, const BagMessage& message) {
+  const LaserScanMessage decoded = decodeLaserScan(message.content, topic.encoding);
+  const Pose* mounting = mountingOf(topic.name);
+  if (mounting == nullptr) return;
+  const Time time = timeOf(decoded.header, message);
+  const auto scan = scanFrom(decoded, time, *mounting);
+  if (!scan) {
+    ++summary_.dropped["broken_scan"];
+    return;
+  }
+  const std::string label = topic.name;
+  order_.add({time, "laser scans", kSampleBytes + sizeof(float) * scan->ranges.size(),
+              [scan = *scan, label](io::RawlogSink& sink) { sink.writeLaser(scan, label); }});
+}
+
+void MessageImport::addFix(const BagTopic& topic, const BagMessage& message) {
+  const NavSatFixMessage fix = decodeNavSatFix(message.content, topic.encoding);
+  if (fix.status < 0) {
+    ++summary_.dropped["gnss_without_fix"];
+    return;
+  }
+  if (!(std::abs(fix.latitude_deg) <= 90.0) || !(std::abs(fix.longitude_deg) <= 180.0) ||
+      !std::isfinite(fix.altitude_m)) {
+    ++summary_.dropped["gnss_no_position"];
+    return;
+  }
+  const Pose* mounting = mountingOf(topic.name);
+  if (mounting == nullptr) return;
+  const Time time = timeOf(fix.header, message);
+  const auto observation = gnssObservation(fix, time, *mounting);
+  order_.add({time, "satellite positions", kSampleBytes,
+              [observation](io::RawlogSink& sink) { sink.write(*observation); }});
+}
+
+void MessageImport::finish() {
+  if (pairing_.unpaired() > 0) summary_.dropped["unpaired_image"] += pairing_.unpaired();
+  if (pairs_ > 0) return;
+  const auto& topics = options_.topics;
+  const std::string both = (is_stereo_ ? topics.left : topics.color) + " and " +
+                           (is_stereo_ ? topics.right : topics.depth);
+  std::string reasons;
+  for (const auto& [reason, count] : summary_.dropped) {
+    reasons += (reasons.empty() ? "; skipped " : ", ") + reason + " " + std::to_string(count);
+  }
+  if (std::isfinite(pairing_.nearest())) {
+    throw InputError(
+        "the times of images of " + both + " differ by " +
+        std::to_string(static_cast<int>(std::lround(1e3 * pairing_.nearest()))) +
+        " ms or more, allowed are " +
+        std::to_string(static_cast<int>(1e3 * (is_stereo_ ? kStereoTolerance : kDepthTolerance))) +
+        " ms: the cameras must be triggered together" + reasons);
+  }
+  throw InputError("no pair of images of " + both + reasons);
+}
 
 BagImportSummary importBag(const std::string& path, const BagImportOptions& options,
                            io::RawlogSink& sink,
@@ -46,16 +218,21 @@ BagImportSummary importBag(const std::string& path, const BagImportOptions& opti
   const BagRig rig = rigOf(surveyBag(path, options.topics), options);
   summary.notes = rig.notes;
   MessageImport import(options, rig, summary);
-  EventWriter writer(options, sink, summary);
   const auto bag = openBag(path);
+  std::size_t frames = 0;  // read
   bool is_selected = true;
   const auto write_due = [&](bool at_end) {
     while (is_selected) {
       const auto event = import.next(at_end);
-      if (!event) break;
-      is_selected = writer.write(*event);
-      if (event->kind == nullptr && !go_on(summary.frames, bag->progress()))
-        summary.was_stopped = true;
+      if (!event) return;
+      const bool is_frame = event->kind == nullptr;
+      is_selected = !is_frame || frames <= options.last_frame.value_or(frames);
+      if (is_selected && frames >= options.first_frame) {
+        event->write(sink);
+        ++(is_frame ? summary.frames : summary.written[event->kind]);
+      }
+      if (is_selected && is_frame) ++frames;
+      summary.was_stopped = is_frame && !go_on(summary.frames, bag->progress());
       if (summary.was_stopped) is_selected = false;
     }
   };
@@ -69,7 +246,7 @@ BagImportSummary importBag(const std::string& path, const BagImportOptions& opti
   if (!summary.was_stopped) import.finish();
   if (summary.frames == 0 && !summary.was_stopped) {
     throw InputError("--from-index " + std::to_string(options.first_frame) + ": the bag has only " +
-                     std::to_string(writer.framesRead()) + " frames");
+                     std::to_string(frames) + " frames");
   }
   summary.truncation = bag->truncation();
   for (const auto& [reason, count] : bag->skipped()) summary.dropped[reason] += count;

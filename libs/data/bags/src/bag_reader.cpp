@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Opening a bag: its format by its first bytes, and recordings of several files.
 #include <headway/bags/bag_reader.h>
+#include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <headway/core/text.h>
 
@@ -9,9 +11,7 @@
 #include <fstream>
 #include <utility>
 
-#include "mcap_bag.h"
-#include "ros1_bag.h"
-#include "sqlite_bag.h"
+#include "bag_formats.h"
 
 namespace headway::bags {
 namespace {
@@ -29,9 +29,6 @@ class SplitBag : public BagReader {
     }
   }
 
-  const std::vector<BagTopic>& topics() const override { return topics_; }
-  std::optional<std::string> truncation() const override { return truncation_; }
-  const std::map<std::string, std::size_t>& skipped() const override { return skipped_; }
   double progress() const override {
     const double whole = static_cast<double>(next_) - (bag_ ? 1.0 - bag_->progress() : 0.0);
     return whole / static_cast<double>(paths_.size());
@@ -56,25 +53,9 @@ class SplitBag : public BagReader {
     bag_.reset();
   }
 
-  /// Of the same topic, which is added if it is new.
-  std::size_t indexOf(const BagTopic& topic) {
-    const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
-      return other.name == topic.name && other.type == topic.type;
-    });
-    const auto index = static_cast<std::size_t>(same - topics_.begin());
-    if (same == topics_.end()) {
-      topics_.push_back(topic);
-      topics_.back().messages = 0;
-    }
-    return index;
-  }
-
   std::vector<std::string> paths_;
   std::size_t next_ = 0;
   std::unique_ptr<BagReader> bag_;
-  std::vector<BagTopic> topics_;
-  std::optional<std::string> truncation_;
-  std::map<std::string, std::size_t> skipped_;
 };
 
 std::unique_ptr<BagReader> openFolder(const std::string& path) {
@@ -94,6 +75,20 @@ std::unique_ptr<BagReader> openFolder(const std::string& path) {
 
 }  // namespace
 
+std::size_t BagReader::indexOf(const BagTopic& topic) {
+  const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
+    return other.name == topic.name && other.type == topic.type && other.encoding == topic.encoding;
+  });
+  const auto index = static_cast<std::size_t>(same - topics_.begin());
+  if (same == topics_.end()) topics_.push_back({topic.name, topic.type, topic.encoding, 0});
+  return index;
+}
+
+void BagReader::requireTopics(const std::string& path, const char* what) const {
+  if (!topics_.empty()) return;
+  throw InputError(path + ": contains no " + what + (truncation_ ? "; it " + *truncation_ : ""));
+}
+
 std::unique_ptr<BagReader> openBag(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return openFolder(path);
@@ -108,7 +103,7 @@ std::unique_ptr<BagReader> openBag(const std::string& path) {
   if (begins_with("#ROSBAG")) return openRos1Bag(path);
   if (begins_with(kMcapMagic)) return openMcapBag(path);
   if (begins_with(std::string_view("SQLite format 3\0", 16))) return openSqliteBag(path);
-  if (begins_with("\x28\xB5\x2F\xFD")) {
+  if (isZstandard(magic)) {
     throw InputError(path + ": is compressed as a whole; `zstd -d` decompresses it");
   }
   throw InputError(path + ": is no bag of ROS 1 (.bag) or ROS 2 (.mcap, .db3)");

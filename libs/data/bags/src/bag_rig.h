@@ -1,16 +1,52 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Calibration and mounting of the sensors of a bag, by camera_info and tf.
 #pragma once
 
 #include <headway/bags/bag_import.h>
+#include <headway/bags/bag_selection.h>
+#include <headway/core/pose.h>
 
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bag_survey.h"
+#include "messages.h"
 
 namespace headway::bags {
+
+/// Frames of a robot and how they are mounted on each other, by its recorded transforms.
+///
+/// Of a frame that moves the first transform is kept: mounted sensors do not move.
+class TransformTree {
+ public:
+  /// @param is_static  replaces what is known of the child frame
+  void add(const TransformMessage& transform, bool is_static);
+  [[nodiscard]] bool contains(const std::string& frame) const;
+  /// Pose of frame b in frame a; nullopt if they are not connected.
+  [[nodiscard]] std::optional<Pose> between(const std::string& a, const std::string& b) const;
+
+ private:
+  struct Parent {
+    std::string frame;
+    Pose T_parent_child = Pose::Identity();
+    bool is_static = false;
+  };
+  /// The frame and all above it, with the pose of `frame` in each.
+  [[nodiscard]] std::map<std::string, Pose> ancestorsOf(const std::string& frame) const;
+
+  std::map<std::string, Parent> parents_;  ///< by child
+};
+
+/// What the beginning of a bag tells about the sensors.
+struct BagSurvey {
+  std::map<std::string, io::CameraInfo> camera_infos;  ///< by topic
+  std::map<std::string, std::string> frames;           ///< of the sensors' topics
+  TransformTree transforms;
+};
+
+/// Reads until all is known, or for 10 s of the recording; for camera_info to the end.
+[[nodiscard]] BagSurvey surveyBag(const std::string& path, const BagSelection& selection);
 
 /// Calibration and mounting of the sensors of a bag.
 struct BagRig {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which topics of a bag are imported: wishes, completed by types and names.
 #include <headway/bags/bag_selection.h>
 #include <headway/core/error.h>
+#include <headway/core/text.h>
 
 #include <algorithm>
 #include <array>
@@ -17,11 +19,6 @@ const std::vector<std::string> kTransformTypes = {"tf2_msgs/TFMessage", "tf/tfMe
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
-}
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
 bool isOneOf(const std::string& type, const std::vector<std::string>& types) {

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mcap_bag.h"
-
+// Bags of ROS 2 in MCAP files. Read by hand, because Debian has no library for them.
+#include <headway/core/compression.h>
 #include <headway/core/error.h>
-#include <zlib.h>
-
-#include <algorithm>
 
 #include "bag_file.h"
-#include "byte_cursor.h"
-#include "chunk_decompression.h"
-#include "message_type.h"
+#include "bag_formats.h"
 
 namespace headway::bags {
 namespace {
 
-constexpr std::uint8_t kFooter = 0x02, kSchema = 0x03, kChannel = 0x04, kMessage = 0x05,
-                       kChunk = 0x06, kStatistics = 0x0B, kDataEnd = 0x0F;
+/// Operations of records.
+enum Operation : std::uint8_t {
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kStatistics = 0x0B,
+  kDataEnd = 0x0F
+};
 constexpr std::uint64_t kRecordHeaderBytes = 9;  // operation and length
 constexpr std::uint64_t kFooterBytes = 20;
 
@@ -23,16 +26,10 @@ class McapBag : public BagReader {
  public:
   explicit McapBag(const std::string& path) : file_(path) {
     if (!readSummary()) countMessages();
-    if (topics_.empty()) {
-      throw InputError(path + ": contains no messages" +
-                       (truncation_ ? "; it " + *truncation_ : ""));
-    }
+    requireTopics(path, "messages");
     start();
   }
 
-  const std::vector<BagTopic>& topics() const override { return topics_; }
-  std::optional<std::string> truncation() const override { return truncation_; }
-  const std::map<std::string, std::size_t>& skipped() const override { return skipped_; }
   double progress() const override {
     return static_cast<double>(file_.position()) / static_cast<double>(file_.size());
   }
@@ -139,12 +136,7 @@ class McapBag : public BagReader {
     topic.name = cursor.block();
     topic.type = schema == schemas_.end() ? "" : ros1TypeOf(schema->second);
     topic.encoding = encodingOf(std::string(cursor.block()));
-    const auto same = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& other) {
-      return other.name == topic.name && other.type == topic.type &&
-             other.encoding == topic.encoding;
-    });
-    channels_[id] = static_cast<std::size_t>(same - topics_.begin());
-    if (same == topics_.end()) topics_.push_back(topic);
+    channels_[id] = indexOf(topic);
   }
 
   /// The message of a record; nullopt for other records, of which schemas and channels are kept.
@@ -194,8 +186,7 @@ class McapBag : public BagReader {
     const std::string compression(cursor.block());
     const std::string_view records =
         decompress(compression, cursor.block<std::uint64_t>(), size, chunk_);
-    const auto* bytes = reinterpret_cast<const unsigned char*>(records.data());
-    if (crc != 0 && crc != crc32(0, bytes, static_cast<unsigned>(records.size()))) {
+    if (crc != 0 && crc != ~checksum(records, ~0U)) {
       throw BrokenData("a chunk has another checksum");
     }
     records_ = ByteCursor(records);
@@ -216,14 +207,11 @@ class McapBag : public BagReader {
   }
 
   BagFile file_;
-  std::vector<BagTopic> topics_;
   std::map<std::uint16_t, std::string> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  ///< to topics
   std::string chunk_;                              ///< decompressed
   std::optional<ByteCursor> records_;              ///< of the chunk
   bool at_end_ = false;
-  std::optional<std::string> truncation_;
-  std::map<std::string, std::size_t> skipped_;
 };
 
 }  // namespace

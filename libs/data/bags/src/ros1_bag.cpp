@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros1_bag.h"
-
+// Bags of ROS 1, format 2.0. Read by hand, because librosbag_storage trusts what a file says: see
+// openRos1Bag().
 #include <headway/core/error.h>
 
 #include <algorithm>
 
 #include "bag_file.h"
-#include "byte_cursor.h"
-#include "chunk_decompression.h"
+#include "bag_formats.h"
 
 namespace headway::bags {
 namespace {
 
 constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
 constexpr std::uint32_t kMaxHeaderBytes = 1 << 20;
-constexpr std::uint8_t kMessageData = 0x02, kFileHeader = 0x03, kChunkRecord = 0x05,
-                       kChunkInfo = 0x06, kConnection = 0x07;
+/// Operations of records.
+enum RecordKind : std::uint8_t {
+  kMessageData = 0x02,
+  kFileHeader = 0x03,
+  kChunkRecord = 0x05,
+  kChunkInfo = 0x06,
+  kConnection = 0x07
+};
 
 /// Fields of a record's header: "name=value".
 class Fields {
@@ -55,16 +60,10 @@ class Ros1Bag : public BagReader {
     }
     readFileHeader();
     if (!readIndex()) countMessages();
-    if (topics_.empty()) {
-      throw InputError(path + ": contains no messages" +
-                       (truncation_ ? "; it " + *truncation_ : ""));
-    }
+    requireTopics(path, "messages");
     start();
   }
 
-  const std::vector<BagTopic>& topics() const override { return topics_; }
-  std::optional<std::string> truncation() const override { return truncation_; }
-  const std::map<std::string, std::size_t>& skipped() const override { return skipped_; }
   double progress() const override {
     return static_cast<double>(file_.position()) / static_cast<double>(file_.size());
   }
@@ -163,13 +162,7 @@ class Ros1Bag : public BagReader {
     topic.name = header.text("topic");
     topic.type = Fields(data).text("type");
     topic.encoding = Encoding::kRos1;
-    std::size_t index = 0;
-    while (index < topics_.size() &&
-           (topics_[index].name != topic.name || topics_[index].type != topic.type)) {
-      ++index;
-    }
-    if (index == topics_.size()) topics_.push_back(topic);
-    connections_[id] = index;
+    connections_[id] = indexOf(topic);
   }
 
   /// Reads on to the next chunk; false at the end.
@@ -226,13 +219,10 @@ class Ros1Bag : public BagReader {
 
   BagFile file_;
   std::uint64_t index_position_ = 0;
-  std::vector<BagTopic> topics_;
   std::map<std::uint32_t, std::size_t> connections_;  ///< to topics
   std::uint64_t data_bytes_ = 0;                      ///< of the record whose header was read
   std::string chunk_;                                 ///< decompressed
   std::optional<ByteCursor> records_;                 ///< of the chunk
-  std::optional<std::string> truncation_;
-  std::map<std::string, std::size_t> skipped_;
 };
 
 }  // namespace

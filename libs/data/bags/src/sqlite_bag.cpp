@@ -1,25 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sqlite_bag.h"
-
+// Bags of ROS 2 in SQLite databases, as rosbag2 writes them.
+#include <headway/core/compression.h>
 #include <headway/core/error.h>
 
 #include <algorithm>
 
 #include "bag_file.h"
-#include "broken_data.h"
-#include "chunk_decompression.h"
-#include "message_type.h"
+#include "bag_formats.h"
 #if HEADWAY_HAS_SQLITE
 #include <sqlite3.h>
-#include <zstd.h>
 #endif
 
 namespace headway::bags {
 
 #if HEADWAY_HAS_SQLITE
 namespace {
-
-constexpr std::string_view kZstandardMagic = "\x28\xB5\x2F\xFD";
 
 struct CloseDatabase {
   void operator()(sqlite3* database) const { sqlite3_close(database); }
@@ -45,15 +40,10 @@ class SqliteBag : public BagReader {
     while (step(topics)) addTopic(topics.get());
     const Statement counts = prepare("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id");
     while (step(counts)) addCount(counts.get());
-    if (topics_.empty()) {
-      throw InputError(path + ": contains no topics" + (truncation_ ? "; it " + *truncation_ : ""));
-    }
+    requireTopics(path, "topics");
     messages_ = prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp");
   }
 
-  const std::vector<BagTopic>& topics() const override { return topics_; }
-  std::optional<std::string> truncation() const override { return truncation_; }
-  const std::map<std::string, std::size_t>& skipped() const override { return skipped_; }
   double progress() const override {
     return total_ == 0 ? 1.0 : static_cast<double>(read_) / static_cast<double>(total_);
   }
@@ -131,13 +121,11 @@ class SqliteBag : public BagReader {
 
   /// The message, decompressed if rosbag2 compressed each by Zstandard; nullopt if it is broken.
   std::optional<std::string_view> plain(std::string_view content) {
-    if (content.substr(0, kZstandardMagic.size()) != kZstandardMagic) return content;
+    if (!isZstandard(content)) return content;
     try {
-      const auto size = ZSTD_getFrameContentSize(content.data(), content.size());
-      if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
-        throw BrokenData("a compressed message does not state its size");
-      }
-      return decompress("zstd", content, size, decompressed_);
+      const auto size = statedSize(content);
+      if (!size) throw BrokenData("a compressed message does not state its size");
+      return decompress("zstd", content, *size, decompressed_);
     } catch (const BrokenData&) {
       ++skipped_["broken_message"];
       return std::nullopt;
@@ -147,13 +135,10 @@ class SqliteBag : public BagReader {
   std::string path_;
   std::unique_ptr<sqlite3, CloseDatabase> database_;
   Statement messages_;  // after its database, so that it is finalised first
-  std::vector<BagTopic> topics_;
   std::map<std::int64_t, std::size_t> topic_of_;  ///< by id
   std::uint64_t total_ = 0;
   std::uint64_t read_ = 0;
   std::string decompressed_;
-  std::optional<std::string> truncation_;
-  std::map<std::string, std::size_t> skipped_;
 };
 
 }  // namespace

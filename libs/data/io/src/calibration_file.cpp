@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Calibrations in headway's own format, and telling apart those of other programs.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/io/calibration_file.h>
-#include <headway/io/camera_info.h>
+#include <headway/io/raw_camera.h>
+#include <headway/io/rawlog_sink.h>
 
 #include <filesystem>
+#include <limits>
+#include <string>
 
 #include "foreign_calibration.h"
-#include "own_lens.h"
 #include "rectifier.h"
 #include "text_rows.h"
 #include "yaml_file.h"
@@ -69,8 +72,9 @@ StereoCalibrationFile readOwn(const YamlFile& file) {
   return result;
 }
 
-}  // namespace
-
+/// A lens in headway's own calibrations: fx, fy, cx, cy and coefficients of distortion.
+///
+/// @throws InputError naming file and key if it is missing or impossible
 RawCamera ownLens(const YamlFile& file, const std::string& key, cv::Size image_size,
                   bool is_fisheye) {
   const auto values = file.numbers(key, 4, is_fisheye ? 8 : 12);
@@ -90,6 +94,7 @@ RawCamera ownLens(const YamlFile& file, const std::string& key, cv::Size image_s
   return lens;
 }
 
+/// The key `lens_model`. @throws InputError for models that are not known
 bool isFisheye(const YamlFile& file) {
   if (!file.has("lens_model")) return false;
   const std::string model = file.word("lens_model");
@@ -98,6 +103,22 @@ bool isFisheye(const YamlFile& file) {
   }
   return model == "fisheye";
 }
+
+bool isTrue(const YamlFile& file, const std::string& key) {
+  const std::string word = file.word(key);
+  if (word != "true" && word != "false") {
+    file.fail("key '" + key + "' is '" + word + "', must be true or false");
+  }
+  return word == "true";
+}
+
+double positiveNumber(const YamlFile& file, const std::string& key) {
+  const double value = file.number(key);
+  if (!(value > 0.0)) file.fail("key '" + key + "' must be positive");
+  return value;
+}
+
+}  // namespace
 
 void writeCalibration(const std::string& path, const StereoCamera& camera) {
   const std::string lens =
@@ -174,6 +195,37 @@ StereoCamera readCalibration(const std::string& path) {
   camera.depth_reach_m = file.number("depth_range_m");
   if (!(camera.depth_reach_m > 0.0)) throw InputError(path + ": depth_range_m is not positive");
   return camera;
+}
+
+DepthCalibrationFile readDepthCalibration(const std::string& path) {
+  const YamlFile file(path);
+  file.requireOnly({"image_size", "left", "lens_model", "depth", "depth_size", "T_left_depth",
+                    "depth_unit_m", "depth_range_m", "range_is_depth", "T_robot_cam",
+                    "frame_rate_hz", "times"});
+  DepthCalibrationFile result;
+  RawDepthCamera& camera = result.camera;
+  const cv::Size image_size = file.imageSize("image_size");
+  camera.color = camera.depth = ownLens(file, "left", image_size, isFisheye(file));
+  if (file.has("depth")) {
+    const cv::Size size = file.has("depth_size") ? file.imageSize("depth_size") : image_size;
+    camera.depth = ownLens(file, "depth", size, false);
+  } else if (file.has("depth_size")) {
+    file.fail("key 'depth_size' needs the key 'depth'");
+  }
+  if (file.has("T_left_depth")) camera.T_color_depth = file.pose("T_left_depth");
+  if (file.has("T_robot_cam")) camera.T_robot_color = file.pose("T_robot_cam");
+  if (file.has("depth_unit_m")) camera.metres_per_unit = positiveNumber(file, "depth_unit_m");
+  camera.max_range_m = std::numeric_limits<std::uint16_t>::max() * camera.metres_per_unit;
+  if (file.has("depth_range_m")) camera.max_range_m = positiveNumber(file, "depth_range_m");
+  if (file.has("range_is_depth")) camera.ranges_are_depths = isTrue(file, "range_is_depth");
+  if (file.has("times")) result.times = file.word("times");
+  if (file.has("frame_rate_hz")) result.frame_rate = positiveNumber(file, "frame_rate_hz");
+  try {
+    validate(camera);
+  } catch (const InputError& error) {
+    file.fail(error.what());
+  }
+  return result;
 }
 
 }  // namespace headway::io

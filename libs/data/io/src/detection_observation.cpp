@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections as an MRPT observation.
 #include <headway/core/detection.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recordings in EuRoC's layout.
 #include <headway/core/error.h>
 #include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>
@@ -8,7 +9,6 @@
 #include <filesystem>
 
 #include "image_files.h"
-#include "interpolation.h"
 #include "text_rows.h"
 #include "yaml_file.h"
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Calibrations that other programs write: ROS, Kalibr, ORB-SLAM, OpenCV, MRPT.
 #pragma once
 
 #include <headway/io/calibration_file.h>

@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// From recorded pairs to rectified stereo frames, and what shows that a calibration does not belong
+// to its images.
 #include "frame_decoder.h"
 
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 #include <headway/core/text.h>
 #include <headway/io/image_file.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iterator>
+#include <numeric>
 #include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
 #include <utility>
+#include <vector>
 
 #include "image_files.h"
 #include "rectifier.h"
@@ -15,30 +24,194 @@
 namespace headway::io {
 namespace {
 
-constexpr double kMaxBaselineM = 5.0;
-constexpr double kMinFocalWidths = 0.1;  // of the image
-constexpr double kMaxFocalWidths = 30.0;
+constexpr std::size_t kMinMatches = 20;     // for the detection of swapped images
+constexpr double kSwappedDisparity = -1.0;  // [px]
 constexpr std::size_t kComparedPairs = 5;
-constexpr std::size_t kMinMatchesSwapped = 40;
 constexpr double kMaxVerticalDisparity = 0.8;  // of a good calibration [px]
 constexpr double kMinDepthReachM = 0.5;        // of a depth camera; less is none
-constexpr double kUnknownDepthReachM = 10.0;
-constexpr double kMinContrast = 3.0;  // standard deviation of grey levels
+constexpr double kUnknownDepthReachM = 10.0;   // which most indoor cameras have
+constexpr double kMinContrast = 3.0;           // standard deviation of grey levels
+
+/// A patch around a corner with mean 0 and norm 1, so that dot products are correlations.
+struct Corner {
+  int u = 0;
+  int v = 0;
+  std::vector<float> patch;
+};
+
+float correlation(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0F);
+}
+
+/// Offset of the vertex of a parabola from its middle sample, at most half a sample.
+double parabolaVertex(float before, float middle, float after) {
+  const double curvature = 2.0 * middle - before - after;
+  if (curvature <= 0.0) return 0.0;
+  return std::clamp(0.5 * (after - before) / curvature, -0.5, 0.5);
+}
+
+/// Finds the corners of an image pair in each other.
+class CornerMatcher {
+ public:
+  explicit CornerMatcher(const CalibrationMatching& params) : params_(params) {}
+
+  [[nodiscard]] std::vector<float> normalizedPatch(const cv::Mat& image, int u, int v) const {
+    const int r = params_.patch_radius_px;
+    std::vector<float> patch;
+    patch.reserve(static_cast<std::size_t>((2 * r + 1) * (2 * r + 1)));
+    for (int y = v - r; y <= v + r; ++y) {
+      const auto* row = image.ptr<unsigned char>(y);
+      for (int x = u - r; x <= u + r; ++x) patch.push_back(row[x]);
+    }
+    const float mean =
+        std::accumulate(patch.begin(), patch.end(), 0.0F) / static_cast<float>(patch.size());
+    float square_sum = 0.0F;
+    for (auto& value : patch) {
+      value -= mean;
+      square_sum += value * value;
+    }
+    const float scale = square_sum > 0.0F ? 1.0F / std::sqrt(square_sum) : 0.0F;
+    for (auto& value : patch) value *= scale;
+    return patch;
+  }
+
+  [[nodiscard]] bool fits(const cv::Mat& image, int u, int v) const {
+    const int r = params_.patch_radius_px;
+    return u >= r && v >= r && u + r < image.cols && v + r < image.rows;
+  }
+
+  [[nodiscard]] bool areNeighbours(const Corner& a, const Corner& b) const {
+    return std::abs(a.u - b.u) <= params_.neighbour_px &&
+           std::abs(a.v - b.v) <= params_.neighbour_px;
+  }
+
+  /// The strongest corners of each cell, without direct neighbours.
+  ///
+  /// FAST's non-maximum suppression is not used: it drops all corners of equal strength, which are
+  /// frequent in rendered images.
+  [[nodiscard]] std::vector<Corner> spreadCorners(const cv::Mat& image) const {
+    std::vector<cv::KeyPoint> found;
+    cv::FAST(image, found, params_.corner_threshold, false);
+    std::stable_sort(found.begin(), found.end(), [](const cv::KeyPoint& a, const cv::KeyPoint& b) {
+      return a.response > b.response;
+    });
+    std::vector<std::vector<Corner>> cells(
+        static_cast<std::size_t>(params_.cells_across * params_.cells_down));
+    for (const auto& keypoint : found) {
+      Corner corner{cvRound(keypoint.pt.x), cvRound(keypoint.pt.y), {}};
+      if (!fits(image, corner.u, corner.v)) continue;
+      auto& cell = cells[static_cast<std::size_t>(corner.v * params_.cells_down / image.rows *
+                                                      params_.cells_across +
+                                                  corner.u * params_.cells_across / image.cols)];
+      if (cell.size() >= params_.corners_per_cell) continue;
+      if (std::any_of(cell.begin(), cell.end(),
+                      [&](const Corner& other) { return areNeighbours(corner, other); })) {
+        continue;
+      }
+      corner.patch = normalizedPatch(image, corner.u, corner.v);
+      cell.push_back(std::move(corner));
+    }
+    std::vector<Corner> corners;
+    for (auto& cell : cells) {
+      std::move(cell.begin(), cell.end(), std::back_inserter(corners));
+    }
+    return corners;
+  }
+
+  /// The corner with the highest correlation, if it is distinct; null otherwise.
+  ///
+  /// Direct neighbours of the best corner show the same point and are not compared with it.
+  [[nodiscard]] const Corner* bestMatch(const Corner& corner, const std::vector<Corner>& candidates,
+                                        double max_disparity) const {
+    std::vector<std::pair<float, const Corner*>> scores;
+    for (const auto& candidate : candidates) {
+      if (std::abs(candidate.v - corner.v) > params_.row_band_px) continue;
+      if (std::abs(candidate.u - corner.u) > max_disparity) continue;
+      scores.emplace_back(correlation(corner.patch, candidate.patch), &candidate);
+    }
+    if (scores.empty()) return nullptr;
+    const auto [best_score, best] =
+        *std::max_element(scores.begin(), scores.end(),
+                          [](const auto& a, const auto& b) { return a.first < b.first; });
+    if (best_score < params_.min_correlation) return nullptr;
+    for (const auto& [score, other] : scores) {
+      if (!areNeighbours(*other, *best) && best_score - score < params_.min_margin) return nullptr;
+    }
+    return best;
+  }
+
+  /// Subpixel position of the match of `left` in the right image.
+  [[nodiscard]] cv::Point2d refined(const Corner& left, const Corner& right,
+                                    const cv::Mat& right_image) const {
+    const auto scoreAt = [&](int du, int dv) {
+      if (!fits(right_image, right.u + du, right.v + dv)) return -1.0F;
+      return correlation(left.patch, normalizedPatch(right_image, right.u + du, right.v + dv));
+    };
+    const float middle = scoreAt(0, 0);
+    return {right.u + parabolaVertex(scoreAt(-1, 0), middle, scoreAt(1, 0)),
+            right.v + parabolaVertex(scoreAt(0, -1), middle, scoreAt(0, 1))};
+  }
+
+ private:
+  const CalibrationMatching& params_;
+};
+
+}  // namespace
+
+CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
+                                     const StereoCamera& camera,
+                                     const CalibrationMatching& params) {
+  const CornerMatcher matcher(params);
+  const auto left_corners = matcher.spreadCorners(left);
+  const auto right_corners = matcher.spreadCorners(right);
+  const double max_disparity = params.max_disparity_ratio * left.cols;
+  std::vector<double> vertical;
+  std::vector<double> horizontal;
+  for (const auto& corner : left_corners) {
+    const Corner* match = matcher.bestMatch(corner, right_corners, max_disparity);
+    if (match == nullptr) continue;
+    const Corner* back = matcher.bestMatch(*match, left_corners, max_disparity);
+    if (back == nullptr || !matcher.areNeighbours(*back, corner)) continue;
+    const cv::Point2d place = matcher.refined(corner, *match, right);
+    horizontal.push_back(corner.u - place.x);
+    vertical.push_back(std::abs(corner.v - place.y));
+  }
+  CalibrationReport report;
+  report.baseline_m = camera.baseline_m;
+  report.focal_px = camera.fx;
+  report.vertical_disparity_px = median(vertical);
+  report.median_disparity_px = median(horizontal);
+  report.matches = horizontal.size();
+  return report;
+}
+
+void requireNotSwapped(const CalibrationReport& report) {
+  if (report.matches < kMinMatches || report.median_disparity_px > kSwappedDisparity) return;
+  throw InputError(
+      "stereo calibration: the median disparity of " + std::to_string(report.matches) +
+      " matches is " + std::to_string(report.median_disparity_px) +
+      " px; it must be positive: left and right images are swapped; exchange them, for two "
+      "cameras by --sensor-label RIGHT,LEFT");
+}
+
+namespace {
 
 /// A baseline of metres belongs to no robot: it is recorded in another unit.
 void requireBaselineInMetres(const StereoCamera& camera) {
-  if (camera.baseline_m <= kMaxBaselineM) return;
-  const double metres = camera.baseline_m * (camera.baseline_m < 50.0 ? 1e-2 : 1e-3);
-  throw InputError(formatted(
-      "stereo calibration: the baseline is %.6g m, which is in %s; write %.6g m in "
-      "rightCameraPose",
-      camera.baseline_m, camera.baseline_m < 50.0 ? "centimetres" : "millimetres", metres));
+  if (camera.baseline_m <= kMaxBaseline_m) return;
+  const double metres =
+      camera.baseline_m * (camera.baseline_m < 10.0 * kMaxBaseline_m ? 1e-2 : 1e-3);
+  throw InputError(
+      formatted("stereo calibration: the baseline is %.6g m, which is in %s; write %.6g m in "
+                "rightCameraPose",
+                camera.baseline_m,
+                camera.baseline_m < 10.0 * kMaxBaseline_m ? "centimetres" : "millimetres", metres));
 }
 
 /// Lenses of robots' cameras.
 void requirePossibleLens(const StereoCamera& camera) {
   const double widths = camera.fx / camera.width;
-  if (widths >= kMinFocalWidths && widths <= kMaxFocalWidths) return;
+  if (widths >= kMinFocalRatio && widths <= kMaxFocalRatio) return;
   throw InputError(
       formatted("stereo calibration: the focal length is %.6g px in images of %d px; no lens of a "
                 "robot's camera has it: check the unit (pixels)",
@@ -145,7 +318,7 @@ void FrameDecoder::requireBetterThanSwapped(const DecodedPair& images) const {
   const auto swapped =
       measureCalibration(rectifier_->rectify(Rectifier::kLeft, greyOf(images.right)),
                          rectifier_->rectify(Rectifier::kRight, greyOf(images.left)), *camera_);
-  if (swapped.matches < kMinMatchesSwapped || swapped.matches < 2 * report_->matches ||
+  if (swapped.matches < 2 * kMinMatches || swapped.matches < 2 * report_->matches ||
       swapped.median_disparity_px < 1.0 ||
       swapped.vertical_disparity_px > 0.5 * report_->vertical_disparity_px) {
     return;

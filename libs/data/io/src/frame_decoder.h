@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// From recorded pairs to rectified stereo frames, and what shows that a calibration does not belong
+// to its images.
 #pragma once
 
 #include <headway/core/stereo_frame.h>
@@ -9,12 +11,13 @@
 #include <optional>
 #include <string>
 
-#include "depth_registration.h"
-#include "frame_assembler.h"
+#include "frame_collector.h"
 #include "rectifier.h"
-#include "stereo_pairing.h"
 
 namespace headway::io {
+
+/// @throws InputError if left and right images are swapped according to the report
+void requireNotSwapped(const CalibrationReport& report);
 
 /// Images of a recorded pair, 8-bit grey or BGR.
 struct DecodedPair {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Images of a folder or a rawlog: where they are, and what is wrong with one that cannot be used.
 #include "image_files.h"
 
 #include <headway/core/error.h>
@@ -21,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kDeepImage = "image_16_bit";
-constexpr double kDefaultFrameRate = 10.0;  // [Hz]
 
 void requireSizeOf(const cv::Mat& image, const std::string& path, const RawCamera& lens) {
   if (image.size() == cv::Size(lens.width, lens.height)) return;
@@ -73,8 +73,6 @@ std::variant<cv::Mat, std::string> pixelsOf(const mrpt::img::CImage& image,
   return pixels;
 }
 
-namespace fs = std::filesystem;
-
 std::vector<std::string> imagesIn(const std::string& folder) {
   static const std::set<std::string> endings = {".png", ".jpg",  ".jpeg", ".bmp",
                                                 ".tif", ".tiff", ".pgm",  ".ppm"};
@@ -118,33 +116,6 @@ cv::Mat requireDepthImageOf(const std::string& path, const RawCamera& lens) {
   }
   requireSizeOf(depth, path, lens);
   return depth;
-}
-
-void requirePaired(const std::string& left_folder, const std::vector<std::string>& lefts,
-                   const std::string& other_folder, const std::vector<std::string>& others) {
-  if (lefts.size() != others.size()) {
-    throw InputError(left_folder + " contains " + std::to_string(lefts.size()) + " images and " +
-                     other_folder + " " + std::to_string(others.size()) +
-                     "; both folders must contain the same number");
-  }
-  if (lefts.empty()) throw InputError(left_folder + ": contains no images");
-}
-
-std::vector<Time> frameTimes(const std::string& times_file, double rate_hz,
-                             const std::string& folder, std::size_t frames) {
-  if (!times_file.empty()) {
-    const auto path = fs::path(folder) / times_file;
-    auto times = readTimes(path.string());
-    if (times.size() < frames) {
-      throw InputError(path.string() + ": has " + std::to_string(times.size()) + " times for " +
-                       std::to_string(frames) + " images");
-    }
-    return times;
-  }
-  const double rate = rate_hz > 0.0 ? rate_hz : kDefaultFrameRate;
-  std::vector<Time> times;
-  for (std::size_t i = 0; i < frames; ++i) times.push_back(static_cast<double>(i) / rate);
-  return times;
 }
 
 RawStereoCamera leftAlone(const RawDepthCamera& camera) {

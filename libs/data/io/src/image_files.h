@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Images of a folder or a rawlog: where they are, and what is wrong with one that cannot be used.
 #pragma once
 
 #include <headway/core/pose.h>
@@ -42,18 +43,6 @@ namespace headway::io {
 
 /// The first number of every row.
 [[nodiscard]] std::vector<Time> readTimes(const std::string& path);
-
-/// Requires two folders of the same number of images, at least one. @throws InputError
-void requirePaired(const std::string& left_folder, const std::vector<std::string>& lefts,
-                   const std::string& other_folder, const std::vector<std::string>& others);
-
-/// Times of the frames of image folders.
-///
-/// @param times_file  name of a file in `folder` with one time per line; empty: by the rate
-/// @param rate_hz     0: 10 Hz
-/// @throws InputError if the file has too few times
-[[nodiscard]] std::vector<Time> frameTimes(const std::string& times_file, double rate_hz,
-                                           const std::string& folder, std::size_t frames);
 
 /// The intensity camera of a depth camera as the left one of a pair without baseline.
 [[nodiscard]] RawStereoCamera leftAlone(const RawDepthCamera& camera);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// KITTI's tracking benchmark: labels and boxes, with poses or with the images of their drive.
 #include <headway/core/error.h>
 #include <headway/io/dataset.h>
 #include <headway/io/track_file.h>
@@ -6,14 +7,12 @@
 
 #include <filesystem>
 
-#include "kitti_raw_drive.h"
+#include "kitti_raw.h"
 
 namespace headway::io {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kTrackingFramePeriod = 0.1;  // [s]
 
 const std::vector<std::pair<std::string, KittiBoxes>>& boxNames() {
   static const std::vector<std::pair<std::string, KittiBoxes>> names = {
@@ -93,7 +92,7 @@ class KittiTracking : public Dataset {
 
   DatasetFrame frame(std::size_t index) const override {
     DatasetFrame frame;
-    frame.time = kTrackingFramePeriod * static_cast<double>(index);
+    frame.time = kKittiFramePeriod * static_cast<double>(index);
     frame.T_map_robot = poses_.at(index);
     frame.detections = boxesAt(detections_, index, frame.time);
     if (truth_) frame.truth_objects = boxesAt(*truth_, index, frame.time);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The newest frame of live observations.
 #include <headway/core/error.h>
 #include <headway/io/live_source.h>
 #include <mrpt/core/exceptions.h>
@@ -11,8 +12,8 @@
 
 #include "frame_collector.h"
 #include "frame_decoder.h"
+#include "observation_selection.h"
 #include "observation_stream.h"
-#include "useful_observations.h"
 
 namespace headway::io {
 namespace {

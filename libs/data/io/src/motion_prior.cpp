@@ -1,43 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Motion between frames by wheel odometry and inertial samples.
 #include "motion_prior.h"
+
+#include <headway/io/trajectory_file.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "interpolation.h"
-
 namespace headway::io {
 namespace {
 
-constexpr double kForceBefore = 0.25;  // window of the mean specific force: before the frame [s]
-constexpr double kForceAfter = 0.05;   // after the frame [s]
-constexpr std::size_t kMinForceSamples = 3;
-constexpr double kMaxOdometryGap = 1.0;    // between samples [s]
-constexpr double kMaxInertialGap = 0.1;    // between samples [s]
-constexpr double kKept = 1.0;              // before the latest frame [s]
-constexpr double kMaxOdometryRatio = 5.0;  // of an extrapolation to the samples' interval
-constexpr double kMaxSampleGap = 10.0;     // between samples [s]
-
-template <typename T>
-void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) {
-  // A sample far ahead of its predecessor is an outlier if the next one continues the latter.
-  const Time before = samples.size() > 1 ? samples[samples.size() - 2].time : time - kKept;
-  if (!samples.empty() && time < samples.back().time && time > before &&
-      samples.back().time - std::max(before, time) > kMaxSampleGap) {
-    samples.pop_back();
-  }
-  if (samples.empty() || time > samples.back().time) samples.push_back({time, value});
-}
-
 /// Interpolated value at `time`; nullopt without close neighbours.
 std::optional<Eigen::Vector3d> valueAt(const std::deque<Stamped<Eigen::Vector3d>>& samples,
-                                       Time time) {
-  const auto around = neighboursOf(samples, time, kMaxInertialGap);
+                                       Time time, double max_gap_s) {
+  const auto around = neighboursOf(samples, time, max_gap_s);
   if (!around) return std::nullopt;
   return Eigen::Vector3d((1.0 - around->ratio) * around->before + around->ratio * around->after);
 }
 
 }  // namespace
+
+template <typename T>
+void MotionPriorBuilder::addInOrder(std::deque<Stamped<T>>& samples, Time time,
+                                    const T& value) const {
+  // A sample far ahead of its predecessor is an outlier if the next one continues the latter.
+  const Time before =
+      samples.size() > 1 ? samples[samples.size() - 2].time : time - params_.max_odometry_gap_s;
+  if (!samples.empty() && time < samples.back().time && time > before &&
+      samples.back().time - std::max(before, time) > kMaxTimeGap_s) {
+    samples.pop_back();
+  }
+  if (samples.empty() || time > samples.back().time) samples.push_back({time, value});
+}
 
 void MotionPriorBuilder::addOdometry(Time time, const Pose& T_odom_robot) {
   addInOrder(odometry_, time, T_odom_robot);
@@ -53,8 +47,8 @@ void MotionPriorBuilder::addInertial(const InertialSample& sample) {
 MotionPrior MotionPriorBuilder::between(std::optional<Time> previous, Time current) const {
   MotionPrior prior;
   if (previous && *previous < current) {  // else the clock was set back
-    const auto T_odom_previous = poseAt(odometry_, *previous, kMaxOdometryGap);
-    const auto T_odom_current = poseAt(odometry_, current, kMaxOdometryGap);
+    const auto T_odom_previous = poseAt(odometry_, *previous, params_.max_odometry_gap_s);
+    const auto T_odom_current = poseAt(odometry_, current, params_.max_odometry_gap_s);
     if (T_odom_previous && T_odom_current) {
       prior.T_previous_current = T_odom_previous->inverse() * *T_odom_current;
     }
@@ -75,7 +69,7 @@ void MotionPriorBuilder::extrapolate(Time time, double max_s) {
   const auto& [last_time, last] = odometry_.back();
   const auto& [before_time, before] = odometry_[odometry_.size() - 2];
   const double ratio = (time - last_time) / (last_time - before_time);
-  if (ratio > kMaxOdometryRatio) return;
+  if (ratio > params_.max_odometry_ratio) return;
   const Pose step = before.inverse() * last;
   const Eigen::AngleAxisd turn(step.linear());
   Pose ahead = Pose::Identity();
@@ -94,8 +88,9 @@ void MotionPriorBuilder::limitSamples(std::size_t max_count) {
 }
 
 void MotionPriorBuilder::discardBefore(Time time) {
-  const auto discard = [time](auto& samples) {
-    while (samples.size() > 2 && samples[1].time < time - kKept) samples.pop_front();
+  const auto discard = [&](auto& samples) {
+    while (samples.size() > 2 && samples[1].time < time - params_.max_odometry_gap_s)
+      samples.pop_front();
   };
   discard(odometry_);
   discard(angular_velocity_);
@@ -104,8 +99,8 @@ void MotionPriorBuilder::discardBefore(Time time) {
 
 std::optional<Eigen::Matrix3d> MotionPriorBuilder::rotationBetween(Time previous,
                                                                    Time current) const {
-  auto omega = valueAt(angular_velocity_, previous);
-  const auto omega_end = valueAt(angular_velocity_, current);
+  auto omega = valueAt(angular_velocity_, previous, params_.max_inertial_gap_s);
+  const auto omega_end = valueAt(angular_velocity_, current, params_.max_inertial_gap_s);
   if (!omega || !omega_end) return std::nullopt;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   Time time = previous;
@@ -116,25 +111,25 @@ std::optional<Eigen::Matrix3d> MotionPriorBuilder::rotationBetween(Time previous
   };
   for (auto sample = firstFrom(angular_velocity_, previous);
        sample != angular_velocity_.end() && sample->time < current; ++sample) {
-    if (sample->time - time > kMaxInertialGap) return std::nullopt;
+    if (sample->time - time > params_.max_inertial_gap_s) return std::nullopt;
     integrate(sample->time, sample->value);
   }
-  if (current - time > kMaxInertialGap) return std::nullopt;
+  if (current - time > params_.max_inertial_gap_s) return std::nullopt;
   integrate(current, *omega_end);
   return turn;
 }
 
 std::optional<Eigen::Vector3d> MotionPriorBuilder::velocityIncrement(Time previous,
                                                                      Time current) const {
-  auto force = valueAt(acceleration_, previous);
-  const auto force_end = valueAt(acceleration_, current);
+  auto force = valueAt(acceleration_, previous, params_.max_inertial_gap_s);
+  const auto force_end = valueAt(acceleration_, current, params_.max_inertial_gap_s);
   if (!force || !force_end) return std::nullopt;
   Eigen::Matrix3d R_previous_sample = Eigen::Matrix3d::Identity();
   Eigen::Vector3d increment = Eigen::Vector3d::Zero();
   Time time = previous;
   const auto integrate = [&](Time to, const Eigen::Vector3d& force_to) {
     const auto turn = rotationBetween(time, to);
-    if (!turn || to - time > kMaxInertialGap) return false;
+    if (!turn || to - time > params_.max_inertial_gap_s) return false;
     const Eigen::Vector3d before = R_previous_sample * *force;
     R_previous_sample *= *turn;
     increment += 0.5 * (to - time) * (before + R_previous_sample * force_to);  // trapezoid rule
@@ -153,12 +148,12 @@ std::optional<Eigen::Vector3d> MotionPriorBuilder::velocityIncrement(Time previo
 std::optional<Eigen::Vector3d> MotionPriorBuilder::specificForceAt(Time time) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   std::size_t count = 0;
-  for (auto sample = firstFrom(acceleration_, time - kForceBefore);
-       sample != acceleration_.end() && sample->time <= time + kForceAfter; ++sample) {
+  for (auto sample = firstFrom(acceleration_, time - params_.force_before_s);
+       sample != acceleration_.end() && sample->time <= time + params_.force_after_s; ++sample) {
     sum += sample->value;
     ++count;
   }
-  if (count < kMinForceSamples) return std::nullopt;
+  if (count < params_.min_force_samples) return std::nullopt;
   return Eigen::Vector3d(sum / static_cast<double>(count));
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Motion between frames by wheel odometry and inertial samples.
 #pragma once
 
 #include <headway/core/stereo_frame.h>
@@ -15,12 +16,26 @@ struct InertialSample {
   std::optional<Eigen::Vector3d> acceleration;      ///< specific force: +g upwards at rest [m/s^2]
 };
 
+inline constexpr double kMaxTimeGap_s = 10.0;  ///< to a time that the next one need not confirm
+
+/// What of odometry and inertial samples is used.
+struct MotionPriorParams {
+  double force_before_s = 0.25;  ///< window of the mean specific force, before a frame [s]
+  double force_after_s = 0.05;   ///< and after it [s]
+  std::size_t min_force_samples = 3;
+  double max_odometry_gap_s = 1.0;  ///< between samples that are interpolated [s]
+  double max_inertial_gap_s = 0.1;  ///< the same [s]
+  double max_odometry_ratio = 5.0;  ///< of an extrapolation to the samples' interval [-]
+};
+
 /// Computes motion priors between frames from wheel odometry and inertial samples.
 ///
 /// Odometry is interpolated at the frames' times; gyroscope and accelerometer are integrated
 /// between them. Quantities that are not covered by samples remain empty.
 class MotionPriorBuilder {
  public:
+  explicit MotionPriorBuilder(const MotionPriorParams& params = {}) : params_(params) {}
+
   /// @param T_odom_robot  robot in the odometry's frame, in time order
   void addOdometry(Time time, const Pose& T_odom_robot);
   void addInertial(const InertialSample& sample);
@@ -43,10 +58,13 @@ class MotionPriorBuilder {
   }
 
  private:
+  template <typename T>
+  void addInOrder(std::deque<Stamped<T>>& samples, Time time, const T& value) const;
   [[nodiscard]] std::optional<Eigen::Matrix3d> rotationBetween(Time previous, Time current) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> velocityIncrement(Time previous, Time current) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> specificForceAt(Time time) const;
 
+  MotionPriorParams params_;
   std::deque<Stamped<Pose>> odometry_;
   std::deque<Stamped<Eigen::Vector3d>> angular_velocity_;
   std::deque<Stamped<Eigen::Vector3d>> acceleration_;

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Writing rawlogs.
+#include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/output_file.h>
 #include <headway/io/detection_observation.h>
-#include <headway/io/gnss_accuracy.h>
+#include <headway/io/gnss_fix.h>
 #include <headway/io/mrpt_time.h>
-#include <headway/io/observation_calibration.h>
+#include <headway/io/raw_camera.h>
 #include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
+#include <mrpt/core/exceptions.h>
 #include <mrpt/img/CImage.h>
+#include <mrpt/io/CStream.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
@@ -27,7 +31,6 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "compressed_stream.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -36,6 +39,48 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMetresPerSecondPerKnot = 1852.0 / 3600.0;
+
+/// Compressed output that reports all write errors, including those of the final flush, which
+/// MRPT's CFileGZOutputStream ignores.
+class CompressedOutput : public mrpt::io::CStream {
+ public:
+  /// @param name  of the file in messages; it decides on the compression
+  /// @throws InputError if the file cannot be written
+  CompressedOutput(const std::string& path, std::string name)
+      : name_(std::move(name)),
+        file_(path, std::ios::binary),
+        content_(file_, fs::path(name_).extension() == ".zst" ? Compression::kZstandard
+                                                              : Compression::kGzip) {
+    if (!file_) {
+      throw InputError(name_ + ": cannot be written; check that its folder exists and is writable");
+    }
+  }
+
+  /// Returns fewer bytes than given only on a write error; hasFailed() is then true.
+  size_t Write(const void* buffer, size_t count) override {
+    content_.write({static_cast<const char*>(buffer), count});
+    return hasFailed() ? 0 : count;
+  }
+  [[nodiscard]] bool hasFailed() const { return file_.fail(); }
+  /// @throws InputError if the data could not be written
+  void close() {
+    content_.finish();
+    file_.close();
+    if (hasFailed()) throw InputError(name_ + ": not written completely; check the disk space");
+  }
+
+  size_t Read(void* /*buffer*/, size_t /*count*/) override { THROW_EXCEPTION("cannot be read"); }
+  uint64_t Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) override {
+    THROW_EXCEPTION("has no random access");
+  }
+  uint64_t getTotalBytesCount() const override { return getPosition(); }
+  uint64_t getPosition() const override { return content_.plainSize(); }
+
+ private:
+  std::string name_;
+  std::ofstream file_;
+  Compressor content_;
+};
 
 /// Enables JPEG compression of embedded colour images during its lifetime; MRPT's setting is
 /// global.
@@ -74,12 +119,8 @@ bool isStoredImage(const fs::path& file) {
   const bool is_numbered = end > 0 && name[end] == '_' &&
                            name.find_first_not_of("0123456789", end + 1) == std::string::npos;
   const std::string label = name.substr(0, end);
-  const auto ends_with = [&](std::string_view side) {
-    return label.size() >= side.size() &&
-           label.compare(label.size() - side.size(), side.size(), side) == 0;
-  };
   const bool is_image = file.extension() == ".png" || file.extension() == ".jpg";
-  return is_image && is_numbered && (ends_with("_left") || ends_with("_right"));
+  return is_image && is_numbered && (endsWith(label, "_left") || endsWith(label, "_right"));
 }
 
 void writeImage(const fs::path& path, const std::vector<unsigned char>& bytes) {

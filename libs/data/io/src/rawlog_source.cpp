@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Reading a rawlog, or live observations from a queue, as rectified stereo frames.
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_source.h>
+#include <mrpt/core/exceptions.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
@@ -14,10 +16,50 @@
 #include "frame_collector.h"
 #include "frame_decoder.h"
 #include "image_files.h"
+#include "observation_selection.h"
 #include "observation_stream.h"
-#include "useful_observations.h"
 
 namespace headway::io {
+
+ObservationQueue::ObservationQueue(std::size_t capacity) : capacity_(capacity) {
+  ASSERTMSG_(capacity >= 1, "the queue capacity must be at least 1");
+}
+
+void ObservationQueue::push(const mrpt::obs::CObservation::Ptr& observation) {
+  if (observation == nullptr) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) return;
+    if (waiting_.size() == capacity_) {
+      waiting_.pop_front();
+      ++dropped_;
+    }
+    waiting_.push_back(observation);
+  }
+  changed_.notify_one();
+}
+
+void ObservationQueue::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+}
+
+mrpt::obs::CObservation::Ptr ObservationQueue::pop() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return closed_ || !waiting_.empty(); });
+  if (waiting_.empty()) return nullptr;
+  auto observation = waiting_.front();
+  waiting_.pop_front();
+  return observation;
+}
+
+std::size_t ObservationQueue::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
+}
 
 /// Reads, collects and decodes observations into frames.
 class RawlogSource::Reader {

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Depth images in rawlogs: their objects, files and calibration.
 #include "recorded_depth.h"
 
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
-#include <headway/io/image_decoding.h>
+#include <headway/io/image_file.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
+#include "frame_collector.h"
 #include "image_files.h"
-#include "recorded_image.h"
-#include "recorded_poses.h"
-#include "stereo_pairing.h"
+#include "object_reader.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -21,10 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint8_t kNewestScan = 10;
-constexpr float kOldUnits = 1e-3F;     // of ranges that are stored as floats [m]
-constexpr double kFarthest = 65535.0;  // units; a hole, too
-constexpr std::size_t kMaxLayers = 16;
+constexpr float kOldUnits = 1e-3F;  // of ranges that are stored as floats [m]
+constexpr auto kFarthest = std::numeric_limits<std::uint16_t>::max();  // units; a hole, too
+constexpr std::size_t kMaxLayers = 16;  // of one frame; none of MRPT's drivers makes any
 
 /// Sets what MRPT sets only when it reads or writes a file itself.
 class StoredDepthScan : public mrpt::obs::CObservation3DRangeScan {
@@ -177,7 +177,7 @@ cv::Mat readRangeText(const std::string& path) {
 /// As CObservation3DRangeScan::serializeFrom() of MRPT 2.5.8.
 mrpt::obs::CObservation::Ptr readDepthScan(ObjectReader& in) {
   const auto version = in.value<std::uint8_t>();
-  if (version > kNewestScan) throw UnknownVersion("", version);
+  if (version > 10) throw UnknownVersion("", version);
   auto scan = std::make_shared<StoredDepthScan>();
   scan->maxRange = in.value<float>();
   scan->sensorPose = readPose3D(in);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Depth images in rawlogs: their objects, files and calibration.
 #pragma once
 
 #include <headway/io/rawlog_sink.h>

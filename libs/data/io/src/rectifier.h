@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// From recorded images to a rectified pair, and from depth images to its disparities.
 #pragma once
 
 #include <headway/core/detection.h>
-#include <headway/io/rawlog_sink.h>
-#include <headway/io/rawlog_source.h>
+#include <headway/core/stereo_camera.h>
+#include <headway/io/raw_camera.h>
 
 #include <array>
 #include <opencv2/core/mat.hpp>
@@ -57,7 +58,32 @@ class Rectifier {
   Eigen::Matrix3d R_rectified_raw_ = Eigen::Matrix3d::Identity();  ///< of the left camera
 };
 
-/// @throws InputError if left and right images are swapped according to the report
-void requireNotSwapped(const CalibrationReport& report);
+/// @throws InputError naming what is impossible about a lens, a pose or the unit
+void validate(const RawDepthCamera& camera);
+
+/// Converts depth images to disparities of the rectified intensity image.
+///
+///     DepthRegistration registration(recorded, rectifier.camera());
+///     frame.disparity = registration.disparities(ranges);
+class DepthRegistration {
+ public:
+  /// @param recorded  validated
+  /// @param target    rectified intensity camera, with the recorded one's axes
+  DepthRegistration(const RawDepthCamera& recorded, const StereoCamera& target);
+
+  /// @param ranges  16-bit, of the depth camera's size; 0 and 65535 are holes
+  /// @return        32-bit float [px], 0 where nothing was measured, or at edges of surfaces
+  [[nodiscard]] cv::Mat disparities(const cv::Mat& ranges) const;
+
+  [[nodiscard]] cv::Size size() const { return {recorded_.depth.width, recorded_.depth.height}; }
+
+ private:
+  [[nodiscard]] cv::Mat projected(const cv::Mat& ranges) const;
+
+  RawDepthCamera recorded_;
+  StereoCamera target_;
+  cv::Mat rays_;                ///< (x/z, y/z) of each depth pixel, 32-bit
+  bool is_registered_ = false;  ///< pixels are those of the rectified intensity image
+};
 
 }  // namespace headway::io

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Rows of text files, by hand because messages name file, line and column, and files may be of any
+// length.
 #include "text_rows.h"
 
 #include <headway/core/error.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Rows of text files: fields separated by blanks or commas.
 #pragma once
 
 #include <headway/core/text.h>
-#include <headway/io/track_file.h>
 
 #include <fstream>
 #include <map>
@@ -73,10 +73,5 @@ class CsvColumns {
   std::map<std::string, std::size_t> positions_;
   std::size_t size_;
 };
-
-/// The current row as a KITTI label (17 fields, score 1) or result (18 fields, with a score).
-///
-/// @throws InputError naming file and line of an error
-[[nodiscard]] KittiRow kittiRow(const TextRows& rows);
 
 }  // namespace headway::io

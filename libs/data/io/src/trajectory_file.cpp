@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Files of trajectories, and poses between those of a trajectory.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/io/trajectory_file.h>
 
 #include <cmath>
 
-#include "interpolation.h"
 #include "text_rows.h"
 
 namespace headway::io {
@@ -35,11 +35,8 @@ Pose poseFromKitti(const TextRows& rows) {
       pose.matrix()(row, column) = rows.number(static_cast<std::size_t>(4 * row + column));
     }
   }
-  const Eigen::Matrix3d turn = pose.linear();
   if (!pose.matrix().allFinite()) rows.fail("the pose is not finite");
-  if (!(turn.transpose() * turn).isIdentity(kUnitTolerance) || turn.determinant() < 0.0) {
-    rows.fail("the left 3x3 block is not a rotation");
-  }
+  if (!isRotation(pose.linear(), kUnitTolerance)) rows.fail("the left 3x3 block is not a rotation");
   return pose;
 }
 
@@ -49,7 +46,6 @@ Eigen::Quaterniond positiveQuaternionOf(const Pose& pose) {
   return turn;
 }
 
-constexpr double kMaxGap = 0.5;  // [s]
 constexpr std::size_t kKittiColumns = 12;
 
 }  // namespace
@@ -95,12 +91,11 @@ void writeMapOdomCsv(std::ostream& out, const MapOdomRow& row) {
 }
 
 void visitMapOdomCsv(const std::string& path, const std::function<void(const MapOdomRow&)>& visit) {
-  constexpr std::size_t kColumns = 11;
   TextRows rows(path);
   if (!rows.next()) throw InputError(path + ": is empty; the header line is missing");
   const CsvColumns columns(rows, mapOdomCsvHeader());
   while (rows.next()) {
-    rows.requireSize(kColumns, "a row of map_odom.csv (" + mapOdomCsvHeader() + ")");
+    rows.requireSize(11, "a row of map_odom.csv (" + mapOdomCsvHeader() + ")");
     visit({rows.index(columns.at("frame")), rows.number(columns.at("time")),
            poseFromTum(rows, columns.at("x")), rows.index(columns.at("revision")),
            rows.fields()[columns.at("cause")]});
@@ -117,7 +112,7 @@ std::vector<Pose> readKittiPoses(const std::string& path) {
   std::vector<Pose> poses;
   TextRows rows(path);
   while (rows.next()) {
-    rows.requireSize(12, "a KITTI pose row (3x4 matrix, row-major)");
+    rows.requireSize(kKittiColumns, "a KITTI pose row (3x4 matrix, row-major)");
     poses.push_back(poseFromKitti(rows));
   }
   return poses;
@@ -151,7 +146,7 @@ PoseFile::PoseFile(const std::string& path, const Pose& T_robot_cam) {
 }
 
 std::optional<Pose> PoseFile::at(std::size_t frame, Time time) const {
-  if (by_frame_.empty()) return poseAt(by_time_, time, kMaxGap);
+  if (by_frame_.empty()) return poseAt(by_time_, time, kMaxPoseGap_s);
   if (frame < by_frame_.size()) return by_frame_[frame];
   return std::nullopt;
 }

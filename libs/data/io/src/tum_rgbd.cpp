@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Sequences of the TUM RGB-D benchmark.
 #include <headway/core/error.h>
+#include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
 #include <headway/io/trajectory_file.h>
 
@@ -7,18 +9,15 @@
 #include <cmath>
 #include <filesystem>
 
-#include "depth_calibration.h"
 #include "image_files.h"
-#include "interpolation.h"
 #include "text_rows.h"
 
 namespace headway::io {
 namespace {
 
-constexpr double kMaxImageGapS = 0.02;  // between an image and its depth
-constexpr double kMaxPoseGapS = 0.5;    // between the true poses around an image
-constexpr double kMetresPerUnit = 1.0 / 5000.0;
-constexpr double kReachM = 10.0;
+constexpr double kMaxImageGapS = 0.02;           // between an image and its depth
+constexpr double kMetresPerUnit = 1.0 / 5000.0;  // of its depth images
+constexpr double kReachM = 10.0;                 // of its cameras
 
 /// Lenses of the dataset's three cameras, as its authors publish them; else those that its tools
 /// assume.
@@ -89,7 +88,7 @@ class TumRgbd : public Dataset {
     frame.time = image.time;
     frame.left = requireImageOf(image.path, depth_camera_.color);
     frame.depth = requireDepthImageOf(depth.path, depth_camera_.depth);
-    frame.truth_T_map_robot = poseAt(truth_, image.time, kMaxPoseGapS);
+    frame.truth_T_map_robot = poseAt(truth_, image.time, kMaxPoseGap_s);
     return frame;
   }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Numbers and strings of YAML files, for MRPT's parser checked first: it does not return from some
+// texts.
 #include "yaml_file.h"
 
 #include <headway/core/error.h>
-#include <headway/io/image_decoding.h>
+#include <headway/io/image_file.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,21 +17,18 @@
 namespace headway::io {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;
-
 std::string firstLineOf(const std::exception& error) {
   const std::string text = error.what();
   return text.substr(0, text.find('\n'));
 }
 
-constexpr std::size_t kMaxBytes = 1 << 20;
 constexpr int kMaxDepth = 32;  // of nested lists; libfyaml recurses
 
 std::string contentOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::error_code unknown;  // then as much as is allowed
   const auto size =
-      std::min<std::uintmax_t>(std::filesystem::file_size(path, unknown), kMaxBytes + 1);
+      std::min<std::uintmax_t>(std::filesystem::file_size(path, unknown), kMaxCalibrationBytes + 1);
   std::string content(static_cast<std::size_t>(size), '\0');
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
   content.resize(static_cast<std::size_t>(file.gcount()));
@@ -39,7 +38,7 @@ std::string contentOf(const std::string& path) {
 /// Why libfyaml must not be given a text; empty if it may be. It does not return from a directive
 /// with a byte that is not printable, and recurses into lists without limit.
 std::string unsafeBecause(const std::string& content) {
-  if (content.size() > kMaxBytes) return "it is larger than 1 MB";
+  if (content.size() > kMaxCalibrationBytes) return "it is larger than 1 MB";
   int brackets = 0;
   int indicators = 0;  // since the last other character
   for (std::size_t at = 0; at < content.size(); ++at) {
@@ -171,9 +170,7 @@ Pose YamlFile::pose(const std::string& key) const {
   for (std::size_t i = 0; i < 12; ++i) {
     pose.matrix()(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = values[i];
   }
-  const Eigen::Matrix3d turn = pose.linear();
-  if (!pose.matrix().allFinite() || turn.determinant() < 0.0 ||
-      !(turn * turn.transpose()).isIdentity(kRotationTolerance)) {
+  if (!pose.matrix().allFinite() || !isRotation(pose.linear())) {
     fail("key '" + prefix_ + key + "' is not a pose: its 3x3 part is not a rotation");
   }
   return pose;

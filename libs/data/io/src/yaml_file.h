@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Numbers and strings of YAML files.
 #pragma once
 
 #include <headway/core/pose.h>
@@ -11,6 +12,8 @@
 #include <vector>
 
 namespace headway::io {
+
+inline constexpr std::size_t kMaxCalibrationBytes = 1 << 20;  ///< of a file that is read
 
 /// Reads numbers and strings of a YAML file, with messages that name file and key.
 class YamlFile {

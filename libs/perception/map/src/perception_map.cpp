@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The map as a snapshot of MRPT layers, static ones and moving objects.
 #include <headway/core/error.h>
+#include <headway/core/text.h>
 #include <headway/map/perception_map.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/maps/CColouredOctoMap.h>
@@ -23,11 +24,6 @@ std::shared_ptr<CMultiMetricMap> defaultLayers() {
   layers->maps.push_back(mrpt::maps::CSimplePointsMap::Create());
   layers->maps.push_back(CMovingObjectsMap::Create());
   return layers;
-}
-
-bool endsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() &&
-         text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
 /// MRPT before 2.11.3 does not report unknown kinds of maps.

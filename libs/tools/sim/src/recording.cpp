@@ -4,7 +4,7 @@
 #include <headway/core/output_file.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/io/calibration_file.h>
-#include <headway/io/depth_camera.h>
+#include <headway/io/raw_camera.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>

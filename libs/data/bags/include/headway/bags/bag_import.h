@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Import of a bag: its messages become the observations of a rawlog.
 #pragma once
 
 #include <headway/bags/bag_selection.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recordings of ROS as topics and messages, whatever their format.
 #pragma once
 
 #include <cstdint>
@@ -42,15 +43,25 @@ struct BagMessage {
 class BagReader {
  public:
   virtual ~BagReader() = default;
-  [[nodiscard]] virtual const std::vector<BagTopic>& topics() const = 0;
+  [[nodiscard]] const std::vector<BagTopic>& topics() const { return topics_; }
   /// The next message; nullopt at the end.
   [[nodiscard]] virtual std::optional<BagMessage> next() = 0;
   /// Where and why the recording ended early; nullopt if it did not.
-  [[nodiscard]] virtual std::optional<std::string> truncation() const = 0;
+  [[nodiscard]] const std::optional<std::string>& truncation() const { return truncation_; }
   /// Number of unreadable parts by reason ("broken_chunk", ...).
-  [[nodiscard]] virtual const std::map<std::string, std::size_t>& skipped() const = 0;
+  [[nodiscard]] const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
   /// Ratio of the file read so far, 0 to 1.
   [[nodiscard]] virtual double progress() const = 0;
+
+ protected:
+  /// Index of the same topic, which is added without messages if it is new.
+  std::size_t indexOf(const BagTopic& topic);
+  /// @throws InputError if there is none of `what`, such as messages
+  void requireTopics(const std::string& path, const char* what) const;
+
+  std::vector<BagTopic> topics_;
+  std::optional<std::string> truncation_;
+  std::map<std::string, std::size_t> skipped_;
 };
 
 /// Opens a ROS 1 bag (`.bag`), a ROS 2 bag (`.mcap` or `.db3`), told apart by their first bytes, or

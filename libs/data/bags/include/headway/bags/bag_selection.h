@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which topics of a bag are imported: wishes, completed by types and names.
 #pragma once
 
 #include <headway/bags/bag_reader.h>

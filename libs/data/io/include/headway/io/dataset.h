@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recordings of public datasets, read frame by frame.
 #pragma once
 
 #include <headway/core/detection.h>

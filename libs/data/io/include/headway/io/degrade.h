@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Noise, misses and duplicates of boxes, to test trackers.
 #pragma once
 
 #include <headway/core/detector_noise.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections as an MRPT observation.
 #pragma once
 
 #include <headway/core/detection.h>
@@ -57,7 +58,8 @@ void registerClasses();
 [[nodiscard]] CObservationObjectDetections::Ptr observationFrom(const std::string& label,
                                                                 const Detections& detections);
 
-/// @param dropped  counts items of unknown classes ("unknown_class"), items with numbers that no box
+/// @param dropped  counts items of unknown classes ("unknown_class"), items with numbers that no
+/// box
 ///                 has ("implausible_box"), and covariances that are none ("bad_covariance"), whose
 ///                 items are returned without them
 [[nodiscard]] Detections detectionsFrom(const CObservationObjectDetections& observation,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The newest frame of live observations.
 #pragma once
 
 #include <headway/core/recorded_frame.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Writing rawlogs.
 #pragma once
 
 #include <headway/core/detection.h>
-#include <headway/core/stereo_camera.h>
+#include <headway/io/raw_camera.h>
 
-#include <array>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -22,35 +22,6 @@ enum class ImageStorage {
   kEmbeddedRaw,   ///< in the rawlog: colour and grey raw
   kExternalPng,   ///< in `X_Images/`, as PNG
   kExternalJpeg,  ///< in `X_Images/`, as JPEG
-};
-
-/// Lens of a recorded image: intrinsics and OpenCV's distortion, zeros if rectified.
-struct RawCamera {
-  int width = 0;                                  ///< [px]
-  int height = 0;                                 ///< [px]
-  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
-  std::array<double, 5> distortion{};             ///< k1 k2 p1 p2 k3; of a fisheye k1 k2 k3 k4
-  std::array<double, 3> rational{};               ///< k4 k5 k6; not of a fisheye
-  bool is_fisheye = false;                        ///< Kannala-Brandt, OpenCV's fisheye
-};
-
-/// Stereo camera as recorded, not necessarily rectified.
-struct RawStereoCamera {
-  RawCamera left;
-  RawCamera right;
-  Pose T_robot_left = robotFromOptical();  ///< left optical frame on the robot
-  Pose T_left_right = Pose::Identity();    ///< right optical frame in the left one
-};
-
-/// Depth camera as recorded: an intensity and a depth image, each with its own lens.
-struct RawDepthCamera {
-  RawCamera color;                          ///< lens of the intensity image
-  RawCamera depth;                          ///< lens of the depth image
-  Pose T_robot_color = robotFromOptical();  ///< optical frame of the intensity image on the robot
-  Pose T_color_depth = Pose::Identity();    ///< optical frame of the depth image in that one
-  double metres_per_unit = 0.001;           ///< of the depth image
-  double max_range_m = 65.535;              ///< that the camera measures
-  bool ranges_are_depths = true;            ///< along the optical axis; false: along the ray
 };
 
 /// A 2D laser scan to record.
@@ -74,9 +45,6 @@ struct RecordedGnss {
   int satellites = 0;
   double sigma_m = 0.0;  ///< of each horizontal axis; 0: unknown
 };
-
-/// A rectified camera in recorded form.
-[[nodiscard]] RawStereoCamera rawFrom(const StereoCamera& camera);
 
 /// Writes an observation-only rawlog, gz-compressed, in the order of the calls.
 ///

@@ -1,15 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Reading a rawlog, or live observations from a queue, as rectified stereo frames.
 #pragma once
 
 #include <headway/core/log.h>
 #include <headway/core/recorded_frame.h>
-#include <headway/io/observation_queue.h>
+#include <mrpt/obs/CObservation.h>
 
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+
+namespace headway::io {
+
+/// Queue of observations from sensor callbacks to the perception thread.
+///
+/// push() never blocks: if the queue is full, the oldest observation is dropped and counted. Any
+/// number of threads may push; one thread pops.
+///
+///     ObservationQueue queue;
+///     driver.onObservation([&](const auto& observation) { queue.push(observation); });
+///     RawlogSource source(queue, {});  // in the perception thread
+class ObservationQueue {
+ public:
+  /// @param capacity  maximum number of waiting observations, >= 1
+  explicit ObservationQueue(std::size_t capacity = 200);
+
+  /// Adds an observation; null pointers and calls after close() are ignored.
+  void push(const mrpt::obs::CObservation::Ptr& observation);
+
+  /// Ends the input: pop() returns the waiting observations, then null.
+  void close();
+
+  /// Waits for the next observation; null once the queue is closed and empty.
+  [[nodiscard]] mrpt::obs::CObservation::Ptr pop();
+
+  /// Number of observations dropped because the queue was full.
+  [[nodiscard]] std::size_t dropped() const;
+
+ private:
+  std::size_t capacity_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<mrpt::obs::CObservation::Ptr> waiting_;  ///< guarded by mutex_, like the members below
+  std::size_t dropped_ = 0;
+  bool closed_ = false;
+};
+
+}  // namespace headway::io
 
 namespace mrpt::obs {
 class CObservation;
@@ -118,6 +161,19 @@ class RawlogSource {
 /// The path without that ending: folders that belong to a rawlog are X_Images and X.truth.
 [[nodiscard]] std::string rawlogStem(const std::string& path);
 
+/// How corners of a pair are matched to measure its calibration.
+struct CalibrationMatching {
+  int corner_threshold = 20;              ///< of FAST [grey levels]
+  int patch_radius_px = 5;                ///< of the compared patches
+  int cells_across = 16, cells_down = 8;  ///< of the image, for evenly distributed corners
+  std::size_t corners_per_cell = 8;       ///< at most
+  double row_band_px = 4.0;               ///< between the rows of a match
+  double max_disparity_ratio = 0.25;      ///< of the image's width
+  float min_correlation = 0.9F;           ///< of a match
+  float min_margin = 0.05F;               ///< to the correlation of the second best
+  int neighbour_px = 3;                   ///< corners as near as that show the same point
+};
+
 /// Measures the consistency of a rectified image pair with its calibration.
 ///
 /// Corners of both images are matched along rows in both directions, so that swapped images have a
@@ -126,7 +182,8 @@ class RawlogSource {
 /// @param left, right  rectified, 8-bit grey
 /// @return             medians are 0 without matches
 [[nodiscard]] CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
-                                                   const StereoCamera& camera);
+                                                   const StereoCamera& camera,
+                                                   const CalibrationMatching& params = {});
 
 /// Reads the observations of a rawlog one by one, truth included, without decoding images that are
 /// stored beside it.

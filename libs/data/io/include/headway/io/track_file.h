@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Files of boxes, tracks and predictions: KITTI's rows and headway's CSV.
 #pragma once
 
 #include <headway/core/detection.h>

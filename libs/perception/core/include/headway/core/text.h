@@ -15,6 +15,10 @@ namespace headway {
 /// characters and bytes that are not UTF-8 become question marks.
 [[nodiscard]] std::string printable(std::string_view text);
 
+[[nodiscard]] inline bool endsWith(std::string_view text, std::string_view ending) {
+  return text.size() >= ending.size() && text.substr(text.size() - ending.size()) == ending;
+}
+
 namespace detail {
 
 /// Takes the digits at the beginning of a text, without leading zeros.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// KITTI's raw data: a drive's images, true path, sensors and labelled objects.
 #pragma once
 
 #include <headway/io/dataset.h>
@@ -9,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "kitti_files.h"
+#include "kitti_odometry.h"
 
 namespace headway::io {
 

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Cameras as recorded: lenses and rigs, ROS' and MRPT's descriptions of them, and what is
+// impossible.
 #include <headway/core/error.h>
-#include <headway/io/camera_info.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/io/raw_camera.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,21 +16,19 @@
 namespace headway::io {
 namespace {
 
-constexpr int kMaxSide = 1 << 15;            // [px]
-constexpr double kMinFocalRatio = 0.1;       // to the side of the image
-constexpr double kMaxFocalRatio = 30.0;      // likewise
-constexpr double kMaxCoefficient = 1e4;      // of a rational lens; others have less than 10
-constexpr double kMaxTangential = 1.0;       // p1 and p2 of any lens
-constexpr double kMaxBaselineOfRobot = 5.0;  // [m]
-constexpr double kRotationError = 1e-3;
+// Errors of structured light and of stereo cameras, see equivalentBaseline().
+constexpr double kDepthNoise = 0.0025;     // error of a depth by its square [1/m]
+constexpr double kSigmaDisparityPx = 0.4;  // as assumed of stereo cameras
+
+constexpr int kMaxSide = 1 << 15;        // [px]
+constexpr double kMaxCoefficient = 1e4;  // of a rational lens; others have less than 10
+constexpr double kMaxTangential = 1.0;   // p1 and p2 of any lens
 
 Eigen::Matrix3d rectifyingRotation(const CameraInfo& info) {
   const Eigen::Matrix3d R =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.R.data());
   if (R.isZero(0.0)) return Eigen::Matrix3d::Identity();
-  if (!R.allFinite() || !(R * R.transpose()).isIdentity(kRotationError) || R.determinant() < 0.0) {
-    throw InputError("rectification_matrix (R) is not a rotation");
-  }
+  if (!isRotation(R)) throw InputError("rectification_matrix (R) is not a rotation");
   return R;
 }
 
@@ -134,11 +138,108 @@ std::string lensFault(const RawCamera& lens) {
   return "";
 }
 
+double equivalentBaseline(double focal_px) { return kSigmaDisparityPx / (kDepthNoise * focal_px); }
+
 std::string baselineFault(double baseline_m) {
-  if (baseline_m <= kMaxBaselineOfRobot) return "";
-  const bool in_cm = baseline_m < 10.0 * kMaxBaselineOfRobot;
+  if (baseline_m <= kMaxBaseline_m) return "";
+  const bool in_cm = baseline_m < 10.0 * kMaxBaseline_m;
   return "in metres? " + formatted("%.6g", baseline_m * (in_cm ? 1e-2 : 1e-3)) + " if it is in " +
          (in_cm ? "centimetres" : "millimetres");
+}
+
+RawStereoCamera rawFrom(const StereoCamera& camera) {
+  RawStereoCamera raw;
+  raw.left.width = camera.width;
+  raw.left.height = camera.height;
+  raw.left.fx = camera.fx;
+  raw.left.fy = camera.fy;
+  raw.left.cx = camera.cx;
+  raw.left.cy = camera.cy;
+  raw.right = raw.left;
+  raw.T_robot_left = camera.T_robot_cam;
+  raw.T_left_right.translation().x() = camera.baseline_m;
+  return raw;
+}
+
+RawCamera rawCamera(const mrpt::img::TCamera& camera) {
+  using mrpt::img::DistortionModel;
+  RawCamera raw;
+  raw.width = static_cast<int>(camera.ncols);
+  raw.height = static_cast<int>(camera.nrows);
+  raw.fx = camera.fx();
+  raw.fy = camera.fy();
+  raw.cx = camera.cx();
+  raw.cy = camera.cy();
+  if (camera.distortion == DistortionModel::plumb_bob) {
+    const auto rational = camera.dist.begin() + raw.distortion.size();
+    std::copy(camera.dist.begin(), rational, raw.distortion.begin());
+    std::copy(rational, camera.dist.end(), raw.rational.begin());
+  } else if (camera.distortion == DistortionModel::kannala_brandt) {
+    raw.is_fisheye = true;
+    raw.distortion = {camera.k1(), camera.k2(), camera.k3(), camera.k4(), 0.0};
+  }
+  return raw;
+}
+
+mrpt::img::TCamera mrptCamera(const RawCamera& camera, const std::string& name) {
+  mrpt::img::TCamera result;
+  result.ncols = static_cast<uint32_t>(camera.width);
+  result.nrows = static_cast<uint32_t>(camera.height);
+  result.cameraName = name;
+  result.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
+  const auto is_set = [](double k) { return k != 0.0; };
+  const auto& d = camera.distortion;
+  const auto& more = camera.rational;
+  if (camera.is_fisheye) {
+    result.setDistortionKannalaBrandt(d[0], d[1], d[2], d[3]);
+  } else if (std::any_of(d.begin(), d.end(), is_set) ||
+             std::any_of(more.begin(), more.end(), is_set)) {
+    result.setDistortionPlumbBob(d[0], d[1], d[2], d[3], d[4]);
+    std::copy(more.begin(), more.end(), result.dist.begin() + d.size());
+  }
+  return result;
+}
+
+void setCalibration(const RawStereoCamera& camera,
+                    mrpt::obs::CObservationStereoImages& observation) {
+  observation.leftCamera = mrptCamera(camera.left, "left");
+  observation.rightCamera = mrptCamera(camera.right, "right");
+  observation.cameraPose = toMrptQuat(camera.T_robot_left);
+  observation.rightCameraPose = toMrptQuat(camera.T_left_right);
+  // MRPT's driver for image folders does not set it.
+  observation.hasImageRight = observation.hasImageRight || !observation.imageRight.isEmpty();
+}
+
+void setCalibration(const RawStereoCamera& camera, bool is_left,
+                    mrpt::obs::CObservationImage& observation) {
+  observation.cameraParams =
+      is_left ? mrptCamera(camera.left, "left") : mrptCamera(camera.right, "right");
+  observation.cameraPose =
+      toMrpt(is_left ? camera.T_robot_left : Pose(camera.T_robot_left * camera.T_left_right));
+}
+
+std::shared_ptr<mrpt::obs::CObservation3DRangeScan> depthObservation(const mrpt::img::CImage& image,
+                                                                     const cv::Mat& depth,
+                                                                     const RawDepthCamera& camera) {
+  auto scan = mrpt::obs::CObservation3DRangeScan::Create();
+  // MRPT's sensor has x forward, and stands in the depth camera; its cameras have optical axes.
+  const Pose T_sensor_color = robotFromOptical() * camera.T_color_depth.inverse();
+  scan->sensorPose = toMrpt(Pose(camera.T_robot_color * T_sensor_color.inverse()));
+  scan->relativePoseIntensityWRTDepth = toMrpt(T_sensor_color);
+  scan->cameraParams = mrptCamera(camera.depth, "depth");
+  scan->cameraParamsIntensity = mrptCamera(camera.color, "color");
+  scan->hasIntensityImage = true;
+  scan->intensityImage = image;
+  scan->hasRangeImage = true;
+  scan->range_is_depth = camera.ranges_are_depths;
+  scan->rangeUnits = static_cast<float>(camera.metres_per_unit);
+  scan->maxRange = static_cast<float>(camera.max_range_m);
+  scan->rangeImage_setSize(depth.rows, depth.cols);
+  for (int row = 0; row < depth.rows; ++row) {
+    const auto* ranges = depth.ptr<std::uint16_t>(row);
+    std::copy(ranges, ranges + depth.cols, &scan->rangeImage(row, 0));
+  }
+  return scan;
 }
 
 }  // namespace headway::io

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// KITTI's odometry benchmark, and what all recordings of KITTI have in common: numbered images,
+// calibrations.
 #pragma once
 
 #include <headway/core/pose.h>
@@ -11,6 +13,8 @@
 #include <vector>
 
 namespace headway::io {
+
+inline constexpr double kKittiFramePeriod = 0.1;  ///< of recordings without times [s]
 
 /// A 3x4 projection matrix K [I | t] of a rectified KITTI camera.
 using KittiProjection = Eigen::Matrix<double, 3, 4>;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which observations of a recording are used: those of the one camera, boxes, poses and sensors of
+// motion.
 #pragma once
 
 #include <headway/io/rawlog_source.h>
@@ -11,15 +13,63 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
+#include <array>
+#include <cstddef>
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
-#include "camera_choice.h"
 #include "observation_stream.h"
 
 namespace headway::io {
+
+/// The stereo or depth camera among the observations of a rawlog.
+struct CameraChoice {
+  enum class Kind {
+    kNone,    ///< no camera: the rawlog contains poses
+    kStereo,  ///< `CObservationStereoImages` with the first label
+    kPair,    ///< two `CObservationImage` labels, left and right
+    kDepth,   ///< `CObservation3DRangeScan` with the first label
+  };
+  Kind kind = Kind::kNone;
+  std::array<std::string, 2> labels;
+};
+
+/// Determines the camera from the first observations of a rawlog: a stereo camera, else two images,
+/// else a depth camera.
+class CameraProbe {
+ public:
+  /// @param wanted  label of the camera, or two labels "LEFT,RIGHT"; empty: the only one
+  explicit CameraProbe(std::string wanted) : wanted_(std::move(wanted)) {}
+
+  void add(const mrpt::obs::CObservation& observation);
+
+  /// Whether further observations cannot change the result of choose().
+  [[nodiscard]] bool isDecided() const;
+
+  /// @param skipped  other observations, for messages
+  /// @throws InputError if there is neither a stereo camera nor a pose, several stereo cameras
+  ///         without a selection, or not the selected one
+  [[nodiscard]] CameraChoice choose(const std::map<std::string, std::size_t>& skipped) const;
+
+ private:
+  [[nodiscard]] std::optional<CameraChoice> wantedCamera() const;
+  [[nodiscard]] CameraChoice pairByGeometry() const;
+  [[nodiscard]] std::string labelsSeen(const std::map<std::string, std::size_t>& skipped) const;
+
+  struct Camera {
+    std::size_t count = 0;
+    mrpt::poses::CPose3D pose;  ///< on the robot
+  };
+
+  std::string wanted_;
+  std::map<std::string, std::size_t> stereo_;  ///< label -> observations
+  std::map<std::string, Camera> single_;
+  std::map<std::string, std::size_t> depth_;  ///< as stereo_, with intensity and depth
+  std::size_t poses_ = 0;
+};
 
 /// Selects the observations that frames are assembled from; others are counted by reason.
 class UsefulObservations {
@@ -59,6 +109,12 @@ class UsefulObservations {
   void keep(const mrpt::obs::CObservation::Ptr& observation);
   void keepLast(std::size_t max_count, bool (*of_kind)(const mrpt::obs::CObservation&));
 
+  /// Numbers of observations stored until the camera is determined, at most: some seconds of each.
+  struct Limits {
+    std::size_t images = 16, motions = 2000, laser_scans = 50, gnss = 1000;
+  };
+
+  Limits limits_;
   std::unique_ptr<ObservationReader> reader_;
   RawlogSourceOptions options_;
   std::map<std::string, std::size_t>& skipped_;
