@@ -88,11 +88,11 @@ Pose poseFrom(WireReader& in) {
   Pose pose = Pose::Identity();
   pose.translation() = vectorFrom(in);
   const auto q = in.array<double, 4>();
-  const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
-  if (!pose.translation().allFinite() || !(std::abs(turn.norm() - 1.0) < kMaxNormError)) {
+  const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
+  if (!pose.translation().allFinite() || !(std::abs(rotation.norm() - 1.0) < kMaxNormError)) {
     throw BrokenData("a pose is none: its rotation has no length of 1");
   }
-  pose.linear() = turn.normalized().toRotationMatrix();
+  pose.linear() = rotation.normalized().toRotationMatrix();
   return pose;
 }
 

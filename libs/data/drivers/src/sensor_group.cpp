@@ -136,7 +136,7 @@ class SensorGroup::Implementation {
   /// Returns when it is to be stopped. @throws std::exception if the sensor fails or falls silent
   void deliver(CGenericSensor& sensor, std::size_t index) {
     const double rate_hz = sensor.getProcessRate();
-    auto turn = Clock::now();
+    auto due = Clock::now();
     std::optional<Clock::time_point> last;  // of an observation
     while (!isStopping()) {
       sensor.doProcess();
@@ -152,9 +152,9 @@ class SensorGroup::Implementation {
       if (last && Clock::now() - *last > seconds(options_.max_silence_s)) {
         throw InputError("no observation for " + std::to_string(options_.max_silence_s) + " s");
       }
-      turn = std::max(turn + seconds(rate_hz > 0.0 ? 1.0 / rate_hz : 0.0), Clock::now());
-      if (rate_hz <= 0.0 && observations.empty()) turn += std::chrono::milliseconds(1);
-      waitUntil(turn);
+      due = std::max(due + seconds(rate_hz > 0.0 ? 1.0 / rate_hz : 0.0), Clock::now());
+      if (rate_hz <= 0.0 && observations.empty()) due += std::chrono::milliseconds(1);
+      waitUntil(due);
     }
   }
 

@@ -94,9 +94,10 @@ std::vector<Stamped<Pose>> readStateCsv(const std::string& path) {
   while (rows.next()) {
     Pose pose = Pose::Identity();
     pose.translation() = Eigen::Vector3d(rows.number(1), rows.number(2), rows.number(3));
-    const Eigen::Quaterniond turn(rows.number(4), rows.number(5), rows.number(6), rows.number(7));
-    if (!(turn.norm() > 0.5)) rows.fail("the quaternion has zero length");
-    pose.linear() = turn.normalized().toRotationMatrix();
+    const Eigen::Quaterniond rotation(rows.number(4), rows.number(5), rows.number(6),
+                                      rows.number(7));
+    if (!(rotation.norm() > 0.5)) rows.fail("the quaternion has zero length");
+    pose.linear() = rotation.normalized().toRotationMatrix();
     poses.push_back({secondsOf(nanosecondsAt(rows)), pose});
   }
   return poses;

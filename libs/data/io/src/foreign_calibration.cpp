@@ -460,12 +460,13 @@ std::optional<StereoCalibrationFile> readMrptIni(const std::string& path) {
   result.camera.right = mrptLens(ini, prefix + "_RIGHT");
   const std::string section = prefix + "_LEFT2RIGHT_POSE";
   const auto q = ini.numbers(section, "pose_quaternion", 7, 7);
-  const Eigen::Quaterniond turn(q[3], q[4], q[5], q[6]);
-  if (!(std::abs(turn.norm() - 1.0) < 1e-2)) {
-    ini.fail(section, "pose_quaternion",
-             "is not x y z qr qx qy qz: its quaternion has length " + formatted("%g", turn.norm()));
+  const Eigen::Quaterniond rotation(q[3], q[4], q[5], q[6]);
+  if (!(std::abs(rotation.norm() - 1.0) < 1e-2)) {
+    ini.fail(
+        section, "pose_quaternion",
+        "is not x y z qr qx qy qz: its quaternion has length " + formatted("%g", rotation.norm()));
   }
-  result.camera.T_left_right.linear() = turn.normalized().toRotationMatrix();
+  result.camera.T_left_right.linear() = rotation.normalized().toRotationMatrix();
   result.camera.T_left_right.translation() = Eigen::Vector3d(q[0], q[1], q[2]);
   const double baseline = result.camera.T_left_right.translation().norm();
   const std::string fault = baselineFault(baseline);

@@ -71,10 +71,10 @@ void MotionPriorBuilder::extrapolate(Time time, double max_s) {
   const double ratio = (time - last_time) / (last_time - before_time);
   if (ratio > params_.max_odometry_ratio) return;
   const Pose step = before.inverse() * last;
-  const Eigen::AngleAxisd turn(step.linear());
+  const Eigen::AngleAxisd rotation(step.linear());
   Pose ahead = Pose::Identity();
   ahead.translation() = ratio * step.translation();
-  ahead.linear() = Eigen::AngleAxisd(ratio * turn.angle(), turn.axis()).toRotationMatrix();
+  ahead.linear() = Eigen::AngleAxisd(ratio * rotation.angle(), rotation.axis()).toRotationMatrix();
   odometry_.push_back({time, last * ahead});
 }
 
@@ -102,10 +102,10 @@ std::optional<Eigen::Matrix3d> MotionPriorBuilder::rotationBetween(Time previous
   auto omega = valueAt(angular_velocity_, previous, params_.max_inertial_gap_s);
   const auto omega_end = valueAt(angular_velocity_, current, params_.max_inertial_gap_s);
   if (!omega || !omega_end) return std::nullopt;
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Time time = previous;
   const auto integrate = [&](Time to, const Eigen::Vector3d& omega_to) {
-    turn = turn * expSo3(0.5 * (to - time) * (*omega + omega_to));  // trapezoid rule
+    rotation = rotation * expSo3(0.5 * (to - time) * (*omega + omega_to));  // trapezoid rule
     time = to;
     omega = omega_to;
   };
@@ -116,7 +116,7 @@ std::optional<Eigen::Matrix3d> MotionPriorBuilder::rotationBetween(Time previous
   }
   if (current - time > params_.max_inertial_gap_s) return std::nullopt;
   integrate(current, *omega_end);
-  return turn;
+  return rotation;
 }
 
 std::optional<Eigen::Vector3d> MotionPriorBuilder::velocityIncrement(Time previous,
@@ -128,10 +128,10 @@ std::optional<Eigen::Vector3d> MotionPriorBuilder::velocityIncrement(Time previo
   Eigen::Vector3d increment = Eigen::Vector3d::Zero();
   Time time = previous;
   const auto integrate = [&](Time to, const Eigen::Vector3d& force_to) {
-    const auto turn = rotationBetween(time, to);
-    if (!turn || to - time > params_.max_inertial_gap_s) return false;
+    const auto rotation = rotationBetween(time, to);
+    if (!rotation || to - time > params_.max_inertial_gap_s) return false;
     const Eigen::Vector3d before = R_previous_sample * *force;
-    R_previous_sample *= *turn;
+    R_previous_sample *= *rotation;
     increment += 0.5 * (to - time) * (before + R_previous_sample * force_to);  // trapezoid rule
     time = to;
     force = force_to;

@@ -60,13 +60,13 @@ struct Rectification {
 };
 
 /// Of lenses that OpenCV's model of a pinhole describes.
-Rectification pinholeRectification(const RawStereoCamera& raw, const cv::Mat& turn,
+Rectification pinholeRectification(const RawStereoCamera& raw, const cv::Mat& rotation,
                                    const cv::Mat& shift) {
   const cv::Size size(raw.left.width, raw.left.height);
   Rectification result;
   cv::Mat Q;
   cv::stereoRectify(cameraMatrix(raw.left), distortionOf(raw.left), cameraMatrix(raw.right),
-                    distortionOf(raw.right), size, turn, shift, result.R[0], result.R[1],
+                    distortionOf(raw.right), size, rotation, shift, result.R[0], result.R[1],
                     result.P[0], result.P[1], Q, cv::CALIB_ZERO_DISPARITY, 0.0, size);
   return result;
 }
@@ -74,7 +74,7 @@ Rectification pinholeRectification(const RawStereoCamera& raw, const cv::Mat& tu
 /// Of pairs with a fisheye: the rotations depend on the poses alone. The focal length is that of
 /// the lenses, the principal point the centre of the image: the middle of the image keeps its
 /// resolution, and what a pinhole of this size cannot see is cut off.
-Rectification fisheyeRectification(const RawStereoCamera& raw, const cv::Mat& turn,
+Rectification fisheyeRectification(const RawStereoCamera& raw, const cv::Mat& rotation,
                                    const cv::Mat& shift) {
   const cv::Size size(raw.left.width, raw.left.height);
   const double focal = 0.25 * (raw.left.fx + raw.left.fy + raw.right.fx + raw.right.fy);
@@ -82,7 +82,7 @@ Rectification fisheyeRectification(const RawStereoCamera& raw, const cv::Mat& tu
   const cv::Mat none = cv::Mat::zeros(1, 5, CV_64F);
   Rectification result;
   cv::Mat Q;
-  cv::stereoRectify(K, none, K, none, size, turn, shift, result.R[0], result.R[1], result.P[0],
+  cv::stereoRectify(K, none, K, none, size, rotation, shift, result.R[0], result.R[1], result.P[0],
                     result.P[1], Q, cv::CALIB_ZERO_DISPARITY, 0.0, size);
   const cv::Matx34d P(focal, 0, K(0, 2), 0, 0, focal, K(1, 2), 0, 0, 0, 1, 0);
   result.P = {cv::Mat(P), cv::Mat(P)};
@@ -182,14 +182,14 @@ Rectifier::Rectifier(const RawStereoCamera& raw) : raw_left_(raw.left) {
     return;
   }
   const Pose T_right_left = raw.T_left_right.inverse();
-  cv::Mat turn, shift;
-  cv::eigen2cv(Eigen::Matrix3d(T_right_left.linear()), turn);
+  cv::Mat rotation, shift;
+  cv::eigen2cv(Eigen::Matrix3d(T_right_left.linear()), rotation);
   cv::eigen2cv(Eigen::Vector3d(T_right_left.translation()), shift);
   const std::array<RawCamera, 2> lenses = {raw.left, raw.right};
   const cv::Size size(camera_.width, camera_.height);
   const auto [R, P] = raw.left.is_fisheye || raw.right.is_fisheye
-                          ? fisheyeRectification(raw, turn, shift)
-                          : pinholeRectification(raw, turn, shift);
+                          ? fisheyeRectification(raw, rotation, shift)
+                          : pinholeRectification(raw, rotation, shift);
   for (const Side side : {kLeft, kRight}) {
     initMaps(lenses[side], R[side], P[side], size, maps_[side]);
   }
@@ -225,9 +225,9 @@ Box2d Rectifier::rectify(const Box2d& box) const {
   cv::Mat R;
   cv::eigen2cv(R_rectified_raw_, R);
   const cv::Matx33d P(camera_.fx, 0, camera_.cx, 0, camera_.fy, camera_.cy, 0, 0, 1);
-  const std::vector<cv::Point2d> turned = undistorted(edge, raw_left_, R, P);
-  Box2d result{turned[0].x, turned[0].y, turned[0].x, turned[0].y};
-  for (const auto& point : turned) {
+  const std::vector<cv::Point2d> rectified = undistorted(edge, raw_left_, R, P);
+  Box2d result{rectified[0].x, rectified[0].y, rectified[0].x, rectified[0].y};
+  for (const auto& point : rectified) {
     result.left = std::min(result.left, point.x);
     result.top = std::min(result.top, point.y);
     result.right = std::max(result.right, point.x);

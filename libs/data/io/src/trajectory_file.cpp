@@ -17,13 +17,13 @@ constexpr double kUnitTolerance = 1e-2;  // files have as few as 4 decimals
 Pose poseFromTum(const TextRows& rows, std::size_t first = 1) {
   const auto number = [&](std::size_t i) { return rows.number(first + i); };
   Eigen::Vector3d position(number(0), number(1), number(2));
-  Eigen::Quaterniond turn(number(6), number(3), number(4), number(5));
-  if (!position.allFinite() || !turn.coeffs().allFinite()) rows.fail("the pose is not finite");
-  if (std::abs(turn.norm() - 1.0) > kUnitTolerance) {
-    rows.fail("the quaternion has length " + std::to_string(turn.norm()) + ", must be 1");
+  Eigen::Quaterniond rotation(number(6), number(3), number(4), number(5));
+  if (!position.allFinite() || !rotation.coeffs().allFinite()) rows.fail("the pose is not finite");
+  if (std::abs(rotation.norm() - 1.0) > kUnitTolerance) {
+    rows.fail("the quaternion has length " + std::to_string(rotation.norm()) + ", must be 1");
   }
   Pose pose = Pose::Identity();
-  pose.linear() = turn.normalized().toRotationMatrix();
+  pose.linear() = rotation.normalized().toRotationMatrix();
   pose.translation() = position;
   return pose;
 }
@@ -41,9 +41,9 @@ Pose poseFromKitti(const TextRows& rows) {
 }
 
 Eigen::Quaterniond positiveQuaternionOf(const Pose& pose) {
-  Eigen::Quaterniond turn(pose.linear());
-  if (turn.w() < 0.0) turn.coeffs() *= -1.0;
-  return turn;
+  Eigen::Quaterniond rotation(pose.linear());
+  if (rotation.w() < 0.0) rotation.coeffs() *= -1.0;
+  return rotation;
 }
 
 constexpr std::size_t kKittiColumns = 12;
@@ -73,20 +73,21 @@ std::vector<Stamped<Pose>> readTum(const std::string& path) {
 }
 
 void writeTumRow(std::ostream& out, const Stamped<Pose>& pose) {
-  const Eigen::Quaterniond turn = positiveQuaternionOf(pose.value);
+  const Eigen::Quaterniond rotation = positiveQuaternionOf(pose.value);
   const auto& position = pose.value.translation();
   out << formatted("%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", pose.time, position.x(),
-                   position.y(), position.z(), turn.x(), turn.y(), turn.z(), turn.w());
+                   position.y(), position.z(), rotation.x(), rotation.y(), rotation.z(),
+                   rotation.w());
 }
 
 std::string mapOdomCsvHeader() { return "frame,time,x,y,z,qx,qy,qz,qw,revision,cause"; }
 
 void writeMapOdomCsv(std::ostream& out, const MapOdomRow& row) {
-  const Eigen::Quaterniond turn = positiveQuaternionOf(row.T_map_odom);
+  const Eigen::Quaterniond rotation = positiveQuaternionOf(row.T_map_odom);
   const auto& position = row.T_map_odom.translation();
   out << formatted("%zu,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f,%llu,", row.frame, row.time,
-                   position.x(), position.y(), position.z(), turn.x(), turn.y(), turn.z(), turn.w(),
-                   static_cast<unsigned long long>(row.revision))
+                   position.x(), position.y(), position.z(), rotation.x(), rotation.y(),
+                   rotation.z(), rotation.w(), static_cast<unsigned long long>(row.revision))
       << row.cause << '\n';
 }
 

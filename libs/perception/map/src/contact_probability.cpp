@@ -60,13 +60,13 @@ FootprintShape footprintOf(const Track& track) {
 
 std::vector<Vector2d> contactRegion(const FootprintShape& a, double yaw_a, const FootprintShape& b,
                                     double yaw_b) {
-  const Eigen::Rotation2Dd turn_a(yaw_a), turn_b(yaw_b);
+  const Eigen::Rotation2Dd rotation_a(yaw_a), rotation_b(yaw_b);
   std::vector<Vector2d> corners;
   for (int i = 0; i < kSteps; ++i) {
     const double angle = yaw_a + 2.0 * M_PI * (i + 0.5) / kSteps;
     const Vector2d normal(std::cos(angle), std::sin(angle));
-    corners.push_back(turn_a * a.supportPoint(turn_a.inverse() * normal) +
-                      turn_b * b.supportPoint(turn_b.inverse() * normal));
+    corners.push_back(rotation_a * a.supportPoint(rotation_a.inverse() * normal) +
+                      rotation_b * b.supportPoint(rotation_b.inverse() * normal));
   }
   return corners;
 }

@@ -18,23 +18,18 @@ namespace {
 /// millions are looked up and std::unordered_map takes several times as long.
 class VoxelIndex {
  public:
-  static constexpr std::uint32_t kNone = 0xffffffffU;
-
-  VoxelIndex() : slots_(1U << (32U - kFirstShift)) {}
-
   /// The number of a voxel, given if it has none.
   std::uint32_t numberOf(std::uint32_t key) {
     Slot& slot = slots_[find(key)];
-    if (slot.number != kNone) return slot.number;
-    const auto number = static_cast<std::uint32_t>(keys_.size());
+    if (slot.number >= 0) return static_cast<std::uint32_t>(slot.number);
+    const auto number = static_cast<std::int32_t>(keys_.size());
     slot = {key, number};
     keys_.push_back(key);
     if (2 * keys_.size() > slots_.size()) grow();
-    return number;
+    return static_cast<std::uint32_t>(number);
   }
 
-  /// The number of a voxel, kNone if it has none.
-  [[nodiscard]] std::uint32_t at(std::uint32_t key) const { return slots_[find(key)].number; }
+  [[nodiscard]] bool contains(std::uint32_t key) const { return slots_[find(key)].number >= 0; }
 
   /// Keys by number.
   [[nodiscard]] const std::vector<std::uint32_t>& keys() const { return keys_; }
@@ -42,25 +37,23 @@ class VoxelIndex {
  private:
   struct Slot {
     std::uint32_t key = 0;
-    std::uint32_t number = kNone;
+    std::int32_t number = -1;  ///< none
   };
   [[nodiscard]] std::size_t find(std::uint32_t key) const {
     std::size_t at = (key * 0x9e3779b1U) >> shift_;  // Knuth's multiplicative hash
-    while (slots_[at].number != kNone && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
+    while (slots_[at].number >= 0 && slots_[at].key != key) at = (at + 1) & (slots_.size() - 1);
     return at;
   }
   void grow() {
     slots_.assign(2 * slots_.size(), {});
     --shift_;
     for (std::uint32_t number = 0; number < keys_.size(); ++number) {
-      slots_[find(keys_[number])] = {keys_[number], number};
+      slots_[find(keys_[number])] = {keys_[number], static_cast<std::int32_t>(number)};
     }
   }
 
-  static constexpr std::uint32_t kFirstShift = 20;
-
-  std::uint32_t shift_ = kFirstShift;  ///< 32 less the binary logarithm of the number of slots
-  std::vector<Slot> slots_;
+  std::uint32_t shift_ = 20;  ///< 32 less the binary logarithm of the number of slots
+  std::vector<Slot> slots_ = std::vector<Slot>(std::size_t{1} << (32U - shift_));
   std::vector<std::uint32_t> keys_;
 };
 
@@ -223,9 +216,8 @@ class TileFusion {
     DenseTile tile;
     for (std::size_t i = 0; i < sums.size(); ++i) {
       int neighbours = 0;
-      VoxelKeys::forNeighbours(index.keys()[i], [&](std::uint32_t key) {
-        neighbours += index.at(key) != VoxelIndex::kNone ? 1 : 0;
-      });
+      VoxelKeys::forNeighbours(
+          index.keys()[i], [&](std::uint32_t key) { neighbours += index.contains(key) ? 1 : 0; });
       if (neighbours < kMinNeighbours) continue;
       tile.positions.emplace_back(sums[i].point / sums[i].weight);
       const Rgb colour = sums[i].colour / sums[i].weight;
@@ -253,8 +245,7 @@ DenseTile fuseTile(const Eigen::Vector2d& corner, double voxel_m,
 Eigen::AlignedBox3d boundsOf(const DepthScan& scan) {
   Eigen::AlignedBox3f bounds;
   ScanView(scan, Pose::Identity(), {0.0, 0.0})
-      .forEachPoint(
-          [&](const Eigen::Vector3f& point, const Rgb&, float) { bounds.extend(point); });
+      .forEachPoint([&](const Eigen::Vector3f& point, const Rgb&, float) { bounds.extend(point); });
   return bounds.cast<double>();
 }
 

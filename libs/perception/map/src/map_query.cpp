@@ -225,12 +225,12 @@ MapQuery::StaticContact MapQuery::staticContact(const TimedPose& pose,
   StaticContact contact;
   const double cell = static_cast<double>(grid_->getResolution());
   const int reach = static_cast<int>(std::ceil(footprint.radius() / cell));
-  const Eigen::Rotation2Dd turn(pose.yaw);
+  const Eigen::Rotation2Dd rotation(pose.yaw);
   for (int i = -reach; i <= reach; ++i) {
     for (int j = -reach; j <= reach; ++j) {
       const Vector2d local(i * cell, j * cell);
       if ((i != 0 || j != 0) && !covers(footprint, local)) continue;
-      const Vector2d place = pose.position + turn * local;
+      const Vector2d place = pose.position + rotation * local;
       const auto occupied = staticOccupancyAt(place.x(), place.y());
       if (occupied) contact.occupied = std::max(contact.occupied, *occupied);
       if (!occupied) contact.unknown = true;

@@ -92,11 +92,7 @@ float ScanView::nearestRound(const Look& look) const {
 
 namespace {
 
-constexpr double kBoxMargin_m = 0.15;       // of boxes and poses
-constexpr double kMaxBack_s = 1.0;          // before a track was first seen
-constexpr double kFirstVelocity_s = 0.5;    // from its first point, by which its velocity is known
-constexpr double kVelocityError_mps = 0.3;  // by its change
-constexpr double kSameTime_s = 1e-3;
+constexpr double kSameTime_s = 1e-3;  // less than between frames
 
 /// The cells of a scan of which `keep` has an entry for each known one.
 DepthScan kept(const DepthScan& scan, const std::vector<bool>& keep) {
@@ -165,19 +161,19 @@ DepthScan cropped(const DepthScan& scan, const Pose& T_map_robot, const Eigen::A
   return kept(scan, is_inside);
 }
 
-std::optional<UprightBox> pastBox(const Track& track, Time time) {
+std::optional<UprightBox> pastBox(const Track& track, Time time, const PastBoxParams& params) {
   const auto& path = track.recent_path;
   if (path.size() < 2 || time > path.back().time) return std::nullopt;
-  UprightBox box{positionAt(path, time), track.size, track.yaw, kBoxMargin_m};
+  UprightBox box{positionAt(path, time), track.size, track.yaw, params.margin_m};
   const double back = path.front().time - time;
   if (back <= 0.0) return box;
   const bool is_first = path.front().time <= track.first_seen + kSameTime_s;
   const double followed = path.back().time - path.front().time;
-  if (!is_first || back > std::min(kMaxBack_s, followed)) return std::nullopt;
-  const double span = std::min(kFirstVelocity_s, followed);
+  if (!is_first || back > std::min(params.max_back_s, followed)) return std::nullopt;
+  const double span = std::min(params.first_velocity_s, followed);
   const Eigen::Vector3d ahead = positionAt(path, path.front().time + span) - path.front().position;
   box.centre -= back / span * ahead;
-  box.margin_m += kVelocityError_mps * back;
+  box.margin_m += params.velocity_error_mps * back;
   return box;
 }
 

@@ -161,11 +161,20 @@ struct UprightBox {
   double margin_m = 0.0;                             ///< by which the object may extend beyond it
 };
 
+/// What is assumed of a track before and around its observations.
+struct PastBoxParams {
+  double margin_m = 0.15;           ///< by which boxes and poses may be wrong [m]
+  double max_back_s = 1.0;          ///< before the track was first seen [s]
+  double first_velocity_s = 0.5;    ///< from its first point, by which its velocity is known [s]
+  double velocity_error_mps = 0.3;  ///< by a change of velocity before that [m/s]
+};
+
 /// Box of a track at an earlier time, by its smoothed path, and before that by its first velocity,
-/// but no farther back than it has been followed since, and at most a second.
+/// but no farther back than it has been followed since, and as far as the parameters say.
 ///
 /// @return  nullopt where its path is not known
-[[nodiscard]] std::optional<UprightBox> pastBox(const Track& track, Time time);
+[[nodiscard]] std::optional<UprightBox> pastBox(const Track& track, Time time,
+                                                const PastBoxParams& params = {});
 
 /// A scan without the cells in boxes of the same frame, which are enlarged by three standard
 /// deviations of the depth.
