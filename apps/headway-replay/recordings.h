@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <headway/pipeline/joint_map.h>
+#include <headway/pipeline/perception.h>
 #include <headway/program/output_folder.h>
 
 #include <exception>

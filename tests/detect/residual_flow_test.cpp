@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <headway/core/statistics.h>
-#include <headway/stereo/reduced_image.h>
+#include <headway/stereo/disparity.h>
 #include <headway_test/painted_street.h>
 
 #include <cmath>

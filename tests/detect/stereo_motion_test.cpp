@@ -3,7 +3,7 @@
 #include <headway/core/appearance.h>
 #include <headway/detect/detector_factory.h>
 #include <headway/detect/stereo_motion.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 #include <headway_test/degraded_images.h>
 #include <headway_test/input_error.h>
 #include <headway_test/painted_street.h>

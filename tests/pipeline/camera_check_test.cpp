@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_check.h"
-
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
+
+#include "input_health.h"
 
 namespace headway::pipeline {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Turns that contradict the gyroscope; images of wrong mountings: mounting_test.cpp.
-#include "mount_check.h"
-
 #include <gmock/gmock.h>
+
+#include "input_health.h"
 
 namespace headway::pipeline {
 namespace {

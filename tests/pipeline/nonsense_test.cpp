@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/pipeline/perception.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 #include <headway_test/paths.h>
 
 #include <functional>

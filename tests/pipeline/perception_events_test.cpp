@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "camera_check.h"
+#include "input_health.h"
 
 namespace headway::pipeline {
 namespace {

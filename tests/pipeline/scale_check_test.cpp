@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scale_check.h"
-
 #include <gmock/gmock.h>
 #include <headway/pipeline/perception.h>
 #include <headway_test/textured_world.h>
 
 #include <cstdio>
 #include <random>
+
+#include "input_health.h"
 
 namespace headway::pipeline {
 namespace {

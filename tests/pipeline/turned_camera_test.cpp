@@ -2,7 +2,7 @@
 // A right camera that is turned against its calibration: found, corrected, or refused.
 #include <gtest/gtest.h>
 #include <headway/pipeline/perception.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 #include <headway_test/painted_street.h>
 #include <headway_test/textured_world.h>
 

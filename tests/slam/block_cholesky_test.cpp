@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "block_cholesky.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <random>
+
+#include "reduced_system.h"
 
 namespace headway::slam {
 namespace {

@@ -8,7 +8,6 @@
 #include <random>
 #include <thread>
 
-#include "bundle_adjuster.h"
 #include "test_camera.h"
 
 namespace headway::slam {

@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 #include <headway/core/stereo_camera.h>
-#include <headway/stereo/pose_tangent.h>
+#include <headway/stereo/stereo_residual.h>
 
 #include <random>
 
-#include "bundle_step.h"
-#include "motion_factor.h"
 #include "test_camera.h"
 
 namespace headway::slam {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dynamic_rejection.h"
-
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
 
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
+
+#include "landmark_tracker.h"
 
 namespace headway::slam {
 namespace {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "map_links.h"
+#include "joint_sparse_map.h"
 
 namespace headway::slam {
 namespace {

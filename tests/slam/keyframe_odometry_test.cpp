@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "keyframe_odometry.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "bundle_adjustment.h"
 #include "test_camera.h"
+#include "wheel_odometry.h"
 
 namespace headway::slam {
 namespace {

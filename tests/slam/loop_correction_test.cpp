@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "loop_correction.h"
-
 #include <gtest/gtest.h>
+
+#include "loop_closer.h"
 
 namespace headway::slam {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "make_map_view.h"
-
 #include <gtest/gtest.h>
+
+#include "map_archive.h"
 
 namespace headway::slam {
 namespace {

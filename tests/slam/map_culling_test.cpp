@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_culling.h"
-
 #include <gtest/gtest.h>
 #include <headway/slam/stereo_slam.h>
 #include <headway_test/textured_world.h>
+
+#include "local_mapper.h"
 
 namespace headway::slam {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "odometry_check.h"
-
 #include <gtest/gtest.h>
+
+#include "wheel_odometry.h"
 
 namespace headway::slam {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "place_index.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "place_recognition.h"
 
 namespace headway::slam {
 namespace {

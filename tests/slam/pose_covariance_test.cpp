@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pose_covariance.h"
-
 #include <gtest/gtest.h>
 #include <headway/stereo/pose_refiner.h>
+
+#include "motion_model.h"
 
 namespace headway::slam {
 namespace {

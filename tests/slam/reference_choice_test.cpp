@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reference_choice.h"
-
 #include <gtest/gtest.h>
+
+#include "local_mapper.h"
 
 namespace headway::slam {
 namespace {

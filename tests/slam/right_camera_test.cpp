@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "right_camera.h"
-
 #include <gtest/gtest.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 
 #include <random>
 
 #include "bundle_adjustment.h"
+#include "sparse_map.h"
 #include "test_camera.h"
 
 namespace headway::slam {

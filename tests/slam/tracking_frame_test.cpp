@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tracking_frame.h"
-
 #include <gtest/gtest.h>
 #include <headway/stereo/patch.h>
 
 #include <opencv2/core.hpp>
 
+#include "landmark_tracker.h"
 #include "test_camera.h"
 
 namespace headway::slam {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/stereo/contrast.h>
+#include <headway/stereo/image_pyramid.h>
 
 #include <opencv2/core.hpp>
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <headway/core/statistics.h>
 #include <headway/stereo/frame_context.h>
-#include <headway/stereo/ground_disparity.h>
+#include <headway/stereo/ground_plane.h>
 #include <headway_test/painted_street.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/stereo/pose_tangent.h>
+#include <headway/stereo/stereo_residual.h>
 
 #include <random>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/stereo/frame_context.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 
 #include <memory>
 #include <opencv2/imgproc.hpp>

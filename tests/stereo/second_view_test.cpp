@@ -5,7 +5,6 @@
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/frame_context.h>
 #include <headway/stereo/rig_capability.h>
-#include <headway/stereo/second_view.h>
 #include <headway/stereo/stereo_match.h>
 #include <headway_test/textured_world.h>
 

@@ -6,7 +6,7 @@
 #include <headway/core/pose.h>
 #include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
-#include <headway/stereo/reduced_image.h>
+#include <headway/stereo/disparity.h>
 
 #include <Eigen/Core>
 #include <Eigen/LU>

@@ -5,7 +5,7 @@
 #include <headway/map/dense_map.h>
 #include <headway/map/map_crop.h>
 #include <headway/map/static_grid.h>
-#include <headway/slam/map_crop.h>
+#include <headway/slam/map_view.h>
 #include <headway/slam/stereo_slam.h>
 
 #include <algorithm>

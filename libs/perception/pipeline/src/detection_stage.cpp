@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections of a frame from all sources, before and after the pose is known.
 #include "detection_stage.h"
 
 #include <headway/core/error.h>

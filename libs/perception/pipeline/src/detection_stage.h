@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections of a frame from all sources, before and after the pose is known.
 #pragma once
 
 #include <headway/core/detection.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What the stages of the pipeline know about a frame, and what a frame leaves for the next one.
 #pragma once
 
 #include <headway/core/recorded_frame.h>

@@ -1,13 +1,392 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Checks of the input: images, mounting, scale, clock, wheels and inertial sensor.
 #include "input_health.h"
 
+#include <headway/core/statistics.h>
 #include <headway/core/text.h>
+#include <headway/stereo/ground_plane.h>
+#include <headway/stereo/rig_capability.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <iterator>
+#include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
 #include <utility>
 
 namespace headway::pipeline {
+namespace {
+
+constexpr int kRowStep = 16;           ///< distance of the compared rows [px]
+constexpr double kDarkGrey = 16.0;     ///< mean grey level below which an image is dark
+constexpr double kBrightGrey = 240.0;  ///< above which it is overexposed
+constexpr double kMinContrast = 2.0;   ///< below, images without structure are alike in any case
+
+bool isSame(const cv::Mat& a, const cv::Mat& b) {
+  if (a.empty() || a.size() != b.size() || a.data == b.data) return false;
+  for (int row = 0; row < a.rows; row += kRowStep) {
+    if (std::memcmp(a.ptr(row), b.ptr(row), static_cast<std::size_t>(a.cols)) != 0) return false;
+  }
+  return true;
+}
+
+struct Light {
+  double grey = 0.0;      ///< mean grey level
+  double contrast = 0.0;  ///< largest standard deviation of a row's grey levels
+};
+
+Light lightOf(const cv::Mat& image) {
+  cv::Mat mean, deviation;
+  Light light;
+  const int rows = (image.rows + kRowStep - 1) / kRowStep;
+  for (int row = 0; row < image.rows; row += kRowStep) {
+    cv::meanStdDev(image.row(row), mean, deviation);
+    light.grey += mean.at<double>(0) / rows;
+    light.contrast = std::max(light.contrast, deviation.at<double>(0));
+  }
+  return light;
+}
+
+/// @return  whether both images contain structure
+bool checkExposure(const StereoFrame& frame, Findings& findings) {
+  bool has_structure = true;
+  for (const auto& [image, side] :
+       {std::pair(&frame.left, "left"), std::pair(&frame.right, "right")}) {
+    if (image->empty()) continue;  // of a depth camera
+    const Light light = lightOf(*image);
+    if (light.contrast >= kMinContrast) continue;
+    has_structure = false;
+    if (light.grey < kDarkGrey) {
+      findings.push_back(
+          {"camera_dark", frame.index,
+           std::string("the ") + side +
+               " image is dark and without structure; check lens cover, exposure and light"});
+      break;  // counted once a frame
+    }
+    if (light.grey > kBrightGrey) {
+      findings.push_back(
+          {"camera_bright", frame.index,
+           std::string("the ") + side +
+               " image is overexposed and without structure; check exposure and glare"});
+      break;
+    }
+  }
+  return has_structure;
+}
+
+constexpr double kMaxDarkGrey = 20.0;  // mean grey level of a frame that is lost for it
+constexpr double kEvenContrast = 6.0;  // standard deviation of the grey levels
+constexpr double kBlurredRatio = 0.5;  // of the usual sharpness
+constexpr double kUnsharp = 0.06;      // without a usual sharpness
+constexpr std::size_t kFewCorners = 150;
+constexpr int kCornerThreshold = 12;      // of FAST, grey levels
+constexpr int kMeasuredEvery = 10;        // tracked frames
+constexpr double kSharpnessWeight = 0.1;  // of a new measurement
+
+/// Contrast between neighbours in relation to that of the whole image: falls with blur, and hardly
+/// depends on light.
+double sharpnessOf(const cv::Mat& image) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(image, mean, deviation);
+  if (!(deviation[0] > 0.0)) return 0.0;
+  cv::Mat edges;
+  cv::Laplacian(image, edges, CV_16S);
+  cv::Scalar edge_mean, edge_deviation;
+  cv::meanStdDev(edges, edge_mean, edge_deviation);
+  return edge_deviation[0] / deviation[0];
+}
+
+std::size_t cornersOf(const cv::Mat& image) {
+  std::vector<cv::KeyPoint> corners;
+  cv::FAST(image, corners, kCornerThreshold);
+  return corners.size();
+}
+
+}  // namespace
+
+void CameraCheck::addTracked(const StereoFrame& frame) {
+  if (tracked_++ % kMeasuredEvery != 0) return;
+  const double sharpness = sharpnessOf(frame.left);
+  sharpness_ = sharpness_ ? *sharpness_ + kSharpnessWeight * (sharpness - *sharpness_) : sharpness;
+}
+
+Finding CameraCheck::lossOf(const StereoFrame& frame) const {
+  const auto lost = [&](const char* name, const char* text) {
+    return Finding{std::string("lost_") + name, frame.index,
+                   std::string("the camera is lost: ") + text};
+  };
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(frame.left, mean, deviation);
+  if (mean[0] < kMaxDarkGrey) {
+    return lost("too_dark",
+                "the image is too dark; lengthen the exposure or add light; slam.use_odometry and "
+                "slam.use_imu bridge dark places");
+  }
+  if (deviation[0] < kEvenContrast) {
+    return lost("covered",
+                "the image is an even grey, as of a covered lens or a wall before it; check the "
+                "lens; slam.use_odometry and slam.use_imu bridge short times");
+  }
+  if (sharpnessOf(frame.left) < (sharpness_ ? kBlurredRatio * *sharpness_ : kUnsharp)) {
+    return lost("blurred",
+                "the image is blurred; shorten the exposure or turn more slowly, and check the "
+                "focus; slam.use_imu predicts turns");
+  }
+  if (cornersOf(frame.left) < kFewCorners) {
+    return lost("few_features",
+                "the image shows too few features, as of bare walls; more slam.features and wheel "
+                "odometry (slam.use_odometry) help");
+  }
+  return lost("moved_too_fast",
+              "the view differs too much from the one before; raise the frame rate, or let "
+              "slam.use_imu and slam.use_odometry predict the motion");
+}
+
+Findings CameraCheck::add(const StereoFrame& frame) {
+  Findings findings;
+  const bool has_structure = checkExposure(frame, findings);
+  is_frozen_ = has_structure && isSame(left_, frame.left) &&
+               (frame.right.empty() || isSame(right_, frame.right));
+  if (is_frozen_) {
+    findings.push_back({"camera_frozen", frame.index,
+                        "the camera delivers the same images again: the pose is unreliable unless "
+                        "wheel odometry stands; check its cable and its driver"});
+  }
+  left_ = frame.left;
+  right_ = frame.right;
+  return findings;
+}
+
+namespace {
+
+constexpr int kMaxImages = 8;              // without ground, after which the check ends
+constexpr int kMinWithoutTurn = 3;         // of them that show the error
+constexpr int kMinUpsideDown = 7;          // more, because a ceiling may look like ground
+constexpr double kMinTurnRad = 0.01;       // between two frames; less is noise and bias
+constexpr double kMinTurnsRad = 0.5;       // sum of the compared turns
+constexpr double kContrary = 0.6;          // difference to turn where the axes are wrong
+constexpr double kEqual = 0.25;            // where they are right
+constexpr double kVertical = 0.7;          // component of the optical axis along the robot's z
+constexpr double kUprightComponent = 0.7;  // of "up" along the image's columns
+constexpr double kMaxHeightError = 0.35;   // of the camera's height, relative
+constexpr double kDegrees = 180.0 / M_PI;
+
+/// A pose as MRPT writes it: x y z [m], yaw pitch roll [deg].
+std::string poseText(const Pose& pose) {
+  const Eigen::Matrix3d R = pose.linear();
+  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  const double roll = std::atan2(R(2, 1), R(2, 2));
+  std::string text = "[";
+  for (int i = 0; i < 3; ++i) text += formatted("%.3f ", pose.translation()[i]);
+  text += formatted("%.1f ", yaw * kDegrees) + formatted("%.1f ", pitch * kDegrees);
+  return text + formatted("%.1f]", roll * kDegrees) + " (x y z [m] yaw pitch roll [deg])";
+}
+
+Pose turned(const Pose& T_robot_cam, const Eigen::Matrix3d& R_cam_other) {
+  Pose result = T_robot_cam;
+  result.linear() = T_robot_cam.linear() * R_cam_other;
+  return result;
+}
+
+Pose upsideDown(const Pose& T_robot_cam) {
+  return turned(T_robot_cam, Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+}
+
+/// The disparity image of the camera turned by 180 degrees about its optical axis.
+stereo::DisparityImage flipped(const stereo::DisparityImage& disparity, StereoCamera& camera) {
+  stereo::DisparityImage result;
+  result.reduce = disparity.reduce;
+  cv::flip(disparity.values, result.values, -1);
+  camera.cx = disparity.pixelOf(0) + disparity.pixelOf(disparity.values.cols - 1) - camera.cx;
+  camera.cy = disparity.pixelOf(0) + disparity.pixelOf(disparity.values.rows - 1) - camera.cy;
+  return result;
+}
+
+}  // namespace
+
+bool MountCheck::isAtMountedHeight(const stereo::GroundPlane& ground) const {
+  const auto rig = stereo::rigCapability(camera_);
+  return !rig.camera_height_known || std::abs(ground.camera_height - rig.camera_height_m) <
+                                         kMaxHeightError * rig.camera_height_m;
+}
+
+bool MountCheck::showsGround(const stereo::DisparityImage& disparity,
+                             const StereoCamera& camera) const {
+  const auto ground = stereo::findGround(disparity, camera, std::nullopt);
+  return ground && isAtMountedHeight(*ground);
+}
+
+std::optional<Finding> MountCheck::addImage(const stereo::FrameContext& context) {
+  if (decided_) return std::nullopt;
+  if (context.ground() && isAtMountedHeight(*context.ground())) {
+    decided_ = decided_by_turns_ = true;
+    return std::nullopt;
+  }
+  ++images_;
+  const bool is_vertical = std::abs(camera_.T_robot_cam.linear()(2, 2)) > kVertical;
+  const auto text =
+      is_vertical ? testOpticalTurn(context.disparity()) : testUpsideDown(context.disparity());
+  decided_ = decided_ || images_ == kMaxImages;
+  return decide(text, context.frame().index);
+}
+
+std::optional<Finding> MountCheck::decide(const std::string& text, std::size_t frame) {
+  if (text.empty()) return std::nullopt;
+  decided_ = decided_by_turns_ = true;
+  return Finding{"camera_pose", frame, text, Severity::kFatal};
+}
+
+std::string MountCheck::testOpticalTurn(const stereo::DisparityImage& disparity) {
+  StereoCamera with_turn = camera_;
+  with_turn.T_robot_cam = turned(camera_.T_robot_cam, robotFromOptical().linear());
+  if (showsGround(disparity, with_turn)) ++without_turn_;
+  if (without_turn_ < kMinWithoutTurn) return "";
+  const bool up = camera_.T_robot_cam.linear()(2, 2) > 0.0;
+  return textWithoutTurn(std::string("the camera looks straight ") + (up ? "up" : "down") +
+                         ", but its images show the ground ahead");
+}
+
+std::string MountCheck::textWithoutTurn(const std::string& evidence) const {
+  return "camera pose: by cameraPose = " + poseText(camera_.T_robot_cam) + " " + evidence +
+         ": the pose lacks the turn to optical axes (x right, y down, z forward); write "
+         "cameraPose = " +
+         poseText(turned(camera_.T_robot_cam, robotFromOptical().linear()));
+}
+
+std::optional<Finding> MountCheck::addTurn(const Eigen::Matrix3d& by_camera,
+                                           const Eigen::Matrix3d& by_gyroscope, std::size_t frame) {
+  const Eigen::Vector3d measured = logSo3(by_gyroscope);
+  if (decided_by_turns_ || measured.norm() < kMinTurnRad) return std::nullopt;
+  const Eigen::Matrix3d R = camera_.T_robot_cam.linear();
+  const Eigen::Vector3d turn = logSo3(by_camera);
+  turned_rad_ += measured.norm();
+  difference_rad_ += (turn - measured).norm();
+  difference_turned_rad_ +=
+      (R * robotFromOptical().linear() * R.transpose() * turn - measured).norm();
+  if (turned_rad_ < kMinTurnsRad) return std::nullopt;
+  decided_by_turns_ = true;
+  const bool is_contrary = difference_rad_ > kContrary * turned_rad_;
+  if (!is_contrary || difference_turned_rad_ >= kEqual * turned_rad_) return std::nullopt;
+  return decide(textWithoutTurn("its turns contradict the gyroscope's (if it is right, correct the "
+                                "inertial sensor's sensorPose, or leave that out by "
+                                "slam.use_imu=false)"),
+                frame);
+}
+
+std::string MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {
+  const double up_y = stereo::mountedUp(camera_).y();
+  if (std::abs(up_y) < kUprightComponent) return "";
+  const bool said_upright = up_y < 0.0;
+  StereoCamera turned_camera = camera_;
+  turned_camera.T_robot_cam = upsideDown(camera_.T_robot_cam);
+  StereoCamera flipped_camera = said_upright ? camera_ : turned_camera;
+  const stereo::DisparityImage flipped_image = flipped(disparity, flipped_camera);
+  if (!said_upright && showsGround(flipped_image, flipped_camera)) {
+    decided_ = true;
+    return "";
+  }
+  const bool contrary = said_upright ? showsGround(flipped_image, flipped_camera)
+                                     : showsGround(disparity, turned_camera);
+  if (contrary) ++upside_down_;
+  if (upside_down_ < kMinUpsideDown) return "";
+  return std::string("camera pose: the images show the ground ") +
+         (said_upright ? "above" : "below") +
+         " the camera, but by cameraPose = " + poseText(camera_.T_robot_cam) + " it is " +
+         (said_upright ? "upright" : "upside-down") +
+         ": turn it about its optical axis; write cameraPose = " +
+         poseText(turned_camera.T_robot_cam);
+}
+
+namespace {
+
+constexpr double kPieceM = 2.0;
+constexpr double kStraight = 0.7;         // least length of a piece's chord to its path
+constexpr std::size_t kMinPieces = 5;     // that are compared
+constexpr std::size_t kMaxPieces = 200;   // that are remembered
+constexpr double kSaidDifference = 0.01;  // of the scales
+constexpr double kSure = 3.0;             // standard deviations
+constexpr double kDeviation = 1.4826;     // standard by median absolute deviation, of a Gaussian
+constexpr double kMedian = 1.2533;        // standard error of a median to that of a mean
+constexpr double kOtherUnit = 30.0;       // camera to odometry: the unit is wrong
+constexpr double kOtherScale = 3.0;       // and its inverse: said at once
+
+}  // namespace
+
+Findings ScaleCheck::add(const std::optional<Pose>& by_camera,
+                         const std::optional<Pose>& by_odometry, std::size_t frame) {
+  if (!by_camera || !by_odometry) {
+    piece_ = {};
+    return {};
+  }
+  piece_.by_camera = piece_.by_camera * *by_camera;
+  piece_.by_odometry = piece_.by_odometry * *by_odometry;
+  piece_.path_m += by_odometry->translation().norm();
+  if (piece_.path_m < kPieceM) return {};
+  Findings findings;
+  const double by_wheels = piece_.by_odometry.translation().norm();
+  if (by_wheels > kStraight * piece_.path_m) {
+    if (auto finding = checkUnit(frame)) findings.push_back(std::move(*finding));
+    ratios_.push_back(piece_.by_camera.translation().norm() / by_wheels);
+    if (ratios_.size() > kMaxPieces) ratios_.pop_front();
+  }
+  piece_ = {};
+  const auto found = ratio();
+  if (!found || std::abs(found->value - 1.0) - kSure * found->sigma < kSaidDifference) {
+    return findings;
+  }
+  findings.push_back(
+      {"odometry_scale", frame,
+       formatted("the camera moves %.3f +- %.3f times as far as the wheels say: check the "
+                 "calibration's baseline and focal length, and the size of the wheels; the map has "
+                 "the camera's scale",
+                 found->value, found->sigma)});
+  return findings;
+}
+
+std::optional<Finding> ScaleCheck::checkUnit(std::size_t frame) {
+  if (std::exchange(is_unit_checked_, true)) return std::nullopt;
+  const double camera_m = piece_.by_camera.translation().norm();
+  const double odometry_m = piece_.by_odometry.translation().norm();
+  const double ratio = camera_m / odometry_m;
+  const std::string compared =
+      formatted("the camera moved %.3g m where odometry measured %.3g m: ", camera_m, odometry_m);
+  const bool is_depth = camera_.isDepthCamera();
+  if (ratio > kOtherUnit) {
+    const std::string text =
+        is_depth ? "depth camera: " + compared +
+                       formatted(
+                           "depths are too great, as if in another unit (rangeUnits, "
+                           "depth_unit_m); multiply it by %.3g",
+                           1.0 / ratio)
+                 : "stereo calibration: " + compared +
+                       formatted(
+                           "the baseline of %.6g m is too long, as if in another unit; write "
+                           "%.3g m",
+                           camera_.baseline_m, camera_.baseline_m / ratio);
+    return Finding{"distance_unit", frame, text, Severity::kFatal};
+  }
+  if (ratio <= kOtherScale && ratio >= 1.0 / kOtherScale) return std::nullopt;
+  const std::string cause = is_depth ? "check the depths' unit"
+                                     : formatted("check the baseline (%.6g m)", camera_.baseline_m);
+  return Finding{"odometry_scale", frame,
+                 compared + cause + ", and odometry's unit and wheel slip"};
+}
+
+std::optional<ScaleCheck::Ratio> ScaleCheck::ratio() const {
+  if (ratios_.size() < kMinPieces) return std::nullopt;
+  Ratio result;
+  result.value = median({ratios_.begin(), ratios_.end()});
+  std::vector<double> deviations;
+  for (const double one : ratios_) deviations.push_back(std::abs(one - result.value));
+  result.sigma =
+      kMedian * kDeviation * median(deviations) / std::sqrt(static_cast<double>(ratios_.size()));
+  return result;
+}
+
 namespace {
 
 constexpr double kMaxTimeStep = 10.0;  ///< between frames, without a finding [s]

@@ -1,17 +1,145 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Checks of the input: images, mounting, scale, clock, wheels and inertial sensor.
 #pragma once
 
 #include <headway/core/log.h>
+#include <headway/core/stereo_camera.h>
+#include <headway/core/stereo_frame.h>
+#include <headway/pipeline/perception_update.h>
+#include <headway/stereo/frame_context.h>
 
+#include <deque>
 #include <memory>
 
-#include "camera_check.h"
 #include "frame_state.h"
-#include "mount_check.h"
-#include "scale_check.h"
 #include "stereo_check.h"
 
 namespace headway::pipeline {
+
+/// Tells what is wrong with a camera's images: the same ones again, without light, overexposed; and
+/// why nothing could be tracked in them.
+///
+/// Identical images appear as a camera at rest, although noise never repeats. Rows at a fixed
+/// distance are compared, so that the cost is negligible.
+class CameraCheck {
+ public:
+  /// Takes the images of each frame.
+  ///
+  /// @return "camera_dark" or "camera_bright" if an image contains no structure and hardly any
+  ///         light, or nothing else; "camera_frozen" if both contain structure and equal those of
+  ///         the frame before
+  [[nodiscard]] Findings add(const StereoFrame& frame);
+  /// Whether the newest images came before.
+  [[nodiscard]] bool isFrozen() const { return is_frozen_; }
+
+  /// Measures the image of a tracked frame, every tenth one.
+  void addTracked(const StereoFrame& frame);
+  /// Why the camera is lost, by its image and those of tracked frames: "lost_too_dark",
+  /// "lost_covered" (even grey: a lens cover, a wall, fog), "lost_blurred" (by motion or focus),
+  /// "lost_few_features" (a sharp image of surfaces without texture) or "lost_moved_too_fast" (a
+  /// usable image of another view than before).
+  [[nodiscard]] Finding lossOf(const StereoFrame& frame) const;
+
+ private:
+  cv::Mat left_;  ///< of the frame before; empty in the first
+  cv::Mat right_;
+  bool is_frozen_ = false;
+  std::optional<double> sharpness_;  ///< usual one of tracked frames
+  int tracked_ = 0;                  ///< frames
+};
+
+/// Recognises a wrong pose of the camera on the robot from the first images.
+///
+/// The ground decides: it is searched as the camera is said to be mounted. Found once, at the
+/// mounted height, it confirms the mounting, and nothing more is computed. Otherwise it is searched
+/// as it would appear if the pose lacked the optical turn (x right, y down, z forward), or if the
+/// camera were upside-down. Where the mounted height is known, planes at another height, such as a
+/// ceiling, are not taken for the ground. Where no ground is seen, as from a drone, the gyroscope's
+/// turns tell a missing optical turn: it permutes the axes of the camera's turns.
+class MountCheck {
+ public:
+  explicit MountCheck(const StereoCamera& camera) : camera_(camera) {}
+
+  /// Takes the ground and the disparities of one frame.
+  ///
+  /// @return fatal: "camera_pose", with the error and the pose to write, once
+  [[nodiscard]] std::optional<Finding> addImage(const stereo::FrameContext& context);
+
+  /// Takes the robot's turn since the previous frame, in the robot frame. Ignored once the ground
+  /// confirmed the mounting.
+  ///
+  /// @return as addImage()
+  [[nodiscard]] std::optional<Finding> addTurn(const Eigen::Matrix3d& by_camera,
+                                               const Eigen::Matrix3d& by_gyroscope,
+                                               std::size_t frame);
+
+ private:
+  [[nodiscard]] bool showsGround(const stereo::DisparityImage& disparity,
+                                 const StereoCamera& camera) const;
+  [[nodiscard]] bool isAtMountedHeight(const stereo::GroundPlane& ground) const;
+  /// What is wrong, as text; empty unless it is certain.
+  [[nodiscard]] std::string testOpticalTurn(const stereo::DisparityImage& disparity);
+  [[nodiscard]] std::string testUpsideDown(const stereo::DisparityImage& disparity);
+  [[nodiscard]] std::string textWithoutTurn(const std::string& evidence) const;
+  [[nodiscard]] std::optional<Finding> decide(const std::string& text, std::size_t frame);
+
+  StereoCamera camera_;
+  bool decided_ = false;
+  bool decided_by_turns_ = false;
+  int images_ = 0;                      ///< in which the ground was not found
+  int without_turn_ = 0;                ///< with ground if the pose lacks the optical turn
+  int upside_down_ = 0;                 ///< with ground if the camera is upside-down
+  double turned_rad_ = 0.0;             ///< by the gyroscope; sum of the angles
+  double difference_rad_ = 0.0;         ///< of the camera's turns from it, by the pose as written
+  double difference_turned_rad_ = 0.0;  ///< by the pose with the optical turn
+};
+
+/// Compares the camera's distances with those of wheel odometry, over pieces of 2 m.
+///
+/// A wrong baseline or focal length scales all depths and with them the map, which nothing in the
+/// images shows. Wheels have errors of their own (pressure, slip), so that a difference is said and
+/// not applied. The median over the pieces is robust against slip in less than half of them.
+/// Compared are the chords of pieces that are about straight: the noise of many small steps adds up
+/// to a path, but not to a chord.
+class ScaleCheck {
+ public:
+  explicit ScaleCheck(const StereoCamera& camera) : camera_(camera) {}
+
+  /// Takes the robot's motion since the previous frame; where one is unknown, a new piece begins.
+  ///
+  /// @return "odometry_scale" if the first piece differs by a factor of 3, and for each piece at
+  ///         whose end the scales differ, surely, by more than 1 %. Fatal: "distance_unit" if the
+  ///         first one differs so much that the unit of baseline or depths is wrong
+  [[nodiscard]] Findings add(const std::optional<Pose>& by_camera,
+                             const std::optional<Pose>& by_odometry, std::size_t frame);
+
+  /// Distances were measured by another calibration until now.
+  void restart() {
+    piece_ = {};
+    ratios_.clear();
+  }
+
+  /// Distance by the camera to distance by the wheels.
+  struct Ratio {
+    double value = 1.0;
+    double sigma = 0.0;
+  };
+  /// Of the newest 400 m; nullopt before 10 m.
+  [[nodiscard]] std::optional<Ratio> ratio() const;
+
+ private:
+  struct Piece {
+    Pose by_camera = Pose::Identity();
+    Pose by_odometry = Pose::Identity();
+    double path_m = 0.0;  ///< by odometry
+  };
+  [[nodiscard]] std::optional<Finding> checkUnit(std::size_t frame);
+
+  StereoCamera camera_;
+  bool is_unit_checked_ = false;
+  Piece piece_;
+  std::deque<double> ratios_;  ///< of the newest pieces
+};
 
 /// The right camera's rotation against its calibration, as it is undone in images [rad].
 struct RightCamera {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Ends of laser beams as obstacles of a ground scan.
 #include "laser_evidence.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Rectification and localisation of frames, by SLAM or by recorded poses.
 #include "localisation.h"
 
 #include <headway/core/error.h>

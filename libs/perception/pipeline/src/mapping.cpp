@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The layers of the map: static map, grid, dense points and moving objects, for each submap.
 #include "mapping.h"
 
 #include <headway/detect/depth_scanner.h>

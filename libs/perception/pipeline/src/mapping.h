@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The layers of the map: static map, grid, dense points and moving objects, for each submap.
 #pragma once
 
 #include <headway/map/map_file.h>

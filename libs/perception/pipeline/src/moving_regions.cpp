@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Regions of an image that moving objects cover, or may cover.
 #include <headway/core/box_overlap.h>
 #include <headway/pipeline/moving_regions.h>
 #include <headway/stereo/rig_capability.h>

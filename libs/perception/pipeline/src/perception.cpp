@@ -1,16 +1,82 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The pipeline of one frame: detectors, SLAM, objects, map; and maps of several runs, joined.
 #include <headway/core/error.h>
 #include <headway/core/text.h>
+#include <headway/pipeline/perception.h>
+#include <headway/slam/joint_map.h>
 #include <mrpt/core/exceptions.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <mutex>
 #include <utility>
+#include <vector>
 
-#include "perception_implementation.h"
+#include "input_health.h"
+#include "localisation.h"
+#include "mapping.h"
 
 namespace headway::pipeline {
+
+/// Where the odometry frame was in the map at the frames in which tracks may still be smoothed, so
+/// that their samples are in the map as it was published then.
+class OdometryHistory {
+ public:
+  void add(std::size_t frame, const Pose& T_map_odom);
+  /// Samples of frames that were added, from the odometry frame.
+  void moveIntoMap(std::vector<TrackSample>& samples) const;
+
+ private:
+  static constexpr std::size_t kMaxFrames = 1000;  ///< several smoothing windows of the longest
+  std::map<std::size_t, Pose> poses_;
+};
+
+/// The stages of the pipeline, each with the state that it keeps from frame to frame, and what the
+/// previous frame left.
+class Perception::Implementation {
+ public:
+  Implementation(std::shared_ptr<const StereoCamera> rig, const PerceptionParams& params,
+                 map::PerceptionMap map);
+
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
+  /// Moves the run into a joint map: its static layers become those of its part. @return T_map_run
+  [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
+
+  std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
+  InputHealth health;
+  Localisation localisation;
+  DetectionStage detection;
+  objects::MovingObjectTracker tracker;
+  OdometryHistory odometry;
+  Mapping mapping;
+  LogSink log;
+  PerceptionCallbacks callbacks;
+  StageTimes times;
+  std::mutex change_mutex;
+  std::optional<RuntimeParams> change;  ///< for the next frame; guarded by change_mutex
+
+ private:
+  void requireUsable(const RecordedFrame& frame) const;
+  void applyChange();
+  [[nodiscard]] FrameState begin(const RecordedFrame& frame);
+  /// Discards what refers to the times before. @return ended tracks
+  [[nodiscard]] std::vector<TrackSample> restart();
+  [[nodiscard]] std::optional<stereo::FrameContext> rectify(const FrameState& state);
+  void localise(FrameState& state);
+  [[nodiscard]] FrameDetections detect(const FrameState& state);
+  [[nodiscard]] objects::TrackUpdate track(const FrameState& state);
+  /// The results of the frame, after the host was called back with them.
+  [[nodiscard]] PerceptionUpdate published(FrameState&& state,
+                                           const map::PerceptionMap& before) const;
+  void write(LogLevel level, const FrameState& state, const std::string& text) const;
+  void logFrame(const FrameState& state) const;
+
+  PreviousFrame previous_;
+  double max_box_range_m_ = RuntimeParams().max_box_range_m;
+};
+
 namespace {
 
 using slam::TrackingStatus;
@@ -454,6 +520,66 @@ StageTimes Perception::times() const {
   StageTimes all = implementation_->times;
   implementation_->localisation.mergeTimes(all);
   return all;
+}
+
+namespace {
+
+/// Ids of keyframes follow the runs' times, so that the latest scan of a place is the one that
+/// remains.
+std::vector<const slam::JointMember*> inOrderOfTime(const std::vector<slam::JointMember>& members) {
+  std::vector<const slam::JointMember*> ordered;
+  for (const auto& member : members) ordered.push_back(&member);
+  std::sort(ordered.begin(), ordered.end(),
+            [](const auto* a, const auto* b) { return a->keyframe_shift < b->keyframe_shift; });
+  return ordered;
+}
+
+bool startsBefore(const JointMap& a, const JointMap& b) { return a.runs.front() < b.runs.front(); }
+
+}  // namespace
+
+std::vector<JointMap> joinMaps(const std::vector<Perception*>& perceptions) {
+  std::vector<Perception::Implementation*> runs;
+  for (Perception* perception : perceptions) runs.push_back(perception->implementation_.get());
+  std::vector<JointMap> maps;
+  std::vector<const slam::StereoSlam*> by_slam;
+  std::vector<std::size_t> run_of;  // of each of them
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    const auto* slam = runs[run]->localisation.slam();
+    if (slam == nullptr) {
+      maps.push_back({{run}, {Pose::Identity()}, 0, perceptions[run]->stored()});
+      continue;
+    }
+    by_slam.push_back(slam);
+    run_of.push_back(run);
+  }
+  for (auto& joint : by_slam.empty() ? std::vector<slam::JointMap>() : slam::joinMaps(by_slam)) {
+    JointMap& map = maps.emplace_back(JointMap{{}, {}, joint.links, {}});
+    const bool is_alone = joint.members.size() == 1;
+    for (const auto& member : joint.members) {
+      const std::size_t run = run_of[member.run];
+      map.runs.push_back(run);
+      map.T_map_run.push_back(is_alone ? Pose::Identity() : runs[run]->moveInto(member.poses));
+    }
+    const auto& first = *runs[map.runs.front()];
+    if (is_alone) map.stored = perceptions[map.runs.front()]->stored();
+    if (is_alone) continue;
+    map::StaticGrid grid(first.mapping.gridParams());
+    map::DenseMap dense = first.mapping.dense().emptyMap();
+    for (const auto& member : inOrderOfTime(joint.members)) {
+      grid.add(runs[run_of[member->run]]->mapping.grid(), member->keyframe_shift);
+      dense.add(runs[run_of[member->run]]->mapping.dense().map(), member->keyframe_shift);
+    }
+    map.stored.camera = *first.camera;
+    map.stored.map.update(std::move(joint.view));
+    if (const auto cells = grid.grid()) map.stored.map.update(cells);
+    if (const auto points = dense.layer()) map.stored.map.update(points);
+    map.stored.attachments[map::kGridAttachment] = grid.save();
+    map.stored.made_attachments[map::kDenseAttachment] = dense.save();
+    map.stored.made_attachments[map::kSlamAttachment] = std::move(joint.saved);
+  }
+  std::sort(maps.begin(), maps.end(), startsBefore);
+  return maps;
 }
 
 }  // namespace headway::pipeline

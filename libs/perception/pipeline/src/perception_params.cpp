@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the whole pipeline.
 #include <headway/core/error.h>
 #include <headway/pipeline/perception_params.h>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Comparison of left with right images: rows, times, order, and the right camera's rotation.
 #pragma once
 
 #include <headway/core/stereo_frame.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which work is left out while frames take longer than their interval.
 #include "load_shedder.h"
 
 #include <mrpt/core/exceptions.h>

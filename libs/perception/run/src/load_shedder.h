@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which work is left out while frames take longer than their interval.
 #pragma once
 
-#include <headway/pipeline/perception_host.h>
+#include <headway/pipeline/perception.h>
 
 #include <optional>
 #include <string>

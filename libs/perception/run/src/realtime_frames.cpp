@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Frames of a recording at the rate of a live camera.
 #include <headway/run/source.h>
 
 #include <algorithm>

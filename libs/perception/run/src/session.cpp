@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A run: frames from a source, through the pipeline, to sinks.
 #include <headway/core/error.h>
 #include <headway/core/stage_times.h>
 #include <headway/run/session.h>

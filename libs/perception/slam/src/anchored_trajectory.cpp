@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The poses of all frames, each stored relative to a keyframe, so that corrections of the map move
+// them.
 #include "anchored_trajectory.h"
 
 #include <utility>
 
 namespace headway::slam {
+
+void Reassignments::follow(KeyframeId& reference, StoredPose& T_reference_cam) const {
+  auto one = reference.valid() ? by_keyframe_.find(reference) : by_keyframe_.end();
+  if (one == by_keyframe_.end()) return;
+  Pose pose = poseFrom(T_reference_cam);
+  for (; one != by_keyframe_.end(); one = by_keyframe_.find(reference)) {
+    pose = poseFrom(one->second.T_to_from) * pose;
+    reference = one->second.to;
+  }
+  T_reference_cam = stored(pose);
+}
 
 void AnchoredTrajectory::add(std::size_t frame, Time time, bool tracked, const Pose& T_map_cam,
                              const std::optional<KeyframeId>& reference, const SparseMap& map) {

@@ -1,16 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The poses of all frames, each stored relative to a keyframe, so that corrections of the map move
+// them.
 #pragma once
 
+#include <headway/core/ids.h>
 #include <headway/core/record_log.h>
 #include <headway/slam/map_view.h>
 
 #include <map>
 #include <optional>
+#include <unordered_map>
 
-#include "reassignments.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
+
+/// A keyframe that was removed: frames that were anchored to it belong to another one.
+struct Reassignment {
+  KeyframeId from, to;
+  StoredPose T_to_from;
+};
+
+/// The keyframes that were removed in a run.
+class Reassignments {
+ public:
+  void add(const Reassignment& one) { by_keyframe_[one.from] = one; }
+
+  /// Expresses a pose in the keyframe to which the frames of a removed `reference` belong now.
+  void follow(KeyframeId& reference, StoredPose& T_reference_cam) const;
+
+ private:
+  std::unordered_map<KeyframeId, Reassignment> by_keyframe_;  // ids are not used again
+};
 
 /// The pose of every frame, stored relative to a keyframe so that map corrections apply to it.
 ///

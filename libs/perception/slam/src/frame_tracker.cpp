@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A frame's pose in the local map, from what is static in it.
 #include "frame_tracker.h"
 
 #include <algorithm>
 
-#include "consensus.h"
 #include "rigid_motions.h"
 
 namespace headway::slam {
@@ -106,10 +106,7 @@ bool FrameTracker::findsStatic(const TrackedPose& tracked,
   for (const TrackedLandmark& seen : seen_before) {
     const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr || !isStatic(*landmark)) continue;
-    const auto uvd = project(T_cam_map * landmark->position, camera_);
-    const bool in_view = uvd && uvd->x() >= 0.0 && uvd->y() >= 0.0 && uvd->x() < camera_.width &&
-                         uvd->y() < camera_.height;
-    if (!in_view || isExcluded(current.excluded, uvd->head<2>())) continue;
+    if (!visibleAt(T_cam_map * landmark->position, current, camera_)) continue;
     ++expected;
     agreeing += std::binary_search(found.begin(), found.end(), seen.id) ? 1 : 0;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A frame's pose in the local map, from what is static in it.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

@@ -1,10 +1,120 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Gravity by the inertial sensor: its estimate, the levelling of the map, and the test of the
+// sensor against the camera.
 #include "inertial_alignment.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace headway::slam {
+namespace {
+
+constexpr double kGravity = 9.80665;     // [m/s^2]
+constexpr double kGravitySigma = 0.03;   // over the Earth's surface [m/s^2]
+constexpr double kBiasSigma = 0.1;       // of a MEMS accelerometer [m/s^2]
+constexpr double kBiasWalk = 0.002;      // [m/s^2/sqrt(s)]
+constexpr double kForceNoise = 0.05;     // white noise with vibration [m/s^2/sqrt(Hz)]
+constexpr double kLeverArm = 0.3;        // of the sensor from the robot's origin, unknown [m]
+constexpr double kVelocitySigma = 30.0;  // before the first step [m/s]
+// Errors of the landmarks' depths are common to the points of a frame, so that its pose is less
+// accurate than its residuals show, most of all with a short baseline.
+constexpr double kCommonErrors = 3.0;
+constexpr double kStepSigmaRatio = 0.01;     // of the step's length
+constexpr double kExpectedInnovation = 3.0;  // degrees of freedom
+
+}  // namespace
+
+GravityEstimator::GravityEstimator(double sigma_tilt_rad) : innovation_(kExpectedInnovation) {
+  state_.head<3>() = kGravity * Eigen::Vector3d::UnitZ();
+  State sigmas;
+  const double sigma_xy = kGravity * sigma_tilt_rad;
+  sigmas << sigma_xy, sigma_xy, kGravitySigma, kBiasSigma, kBiasSigma, kBiasSigma, kVelocitySigma,
+      kVelocitySigma, kVelocitySigma;
+  covariance_ = sigmas.cwiseAbs2().asDiagonal();
+}
+
+void GravityEstimator::add(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
+  update(step, velocity_increment);
+  predict(step, velocity_increment);
+}
+
+/// The camera's mean velocity over the step: the initial one and half of its change.
+void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
+  constexpr double kWindow = 20.0;       // frames in the mean innovation
+  constexpr double kMaxCounted = 100.0;  // one jump of the camera is no contradiction
+  constexpr double kOutlier = 3.0 * kExpectedInnovation;
+  const double dt = step.seconds;
+  const Eigen::Matrix3d R_robot_map = step.T_map_previous.linear().transpose();
+  Eigen::Matrix<double, 3, 9> H;
+  H << -0.5 * dt * R_robot_map, -0.5 * dt * Eigen::Matrix3d::Identity(),
+      Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d moved = step.T_previous_current.translation();
+  const Eigen::Vector3d innovation = moved / dt - 0.5 * velocity_increment - H * state_;
+  const double sigma = (kCommonErrors * step.sigma_m + kStepSigmaRatio * moved.norm()) / dt;
+  const Eigen::Matrix3d predicted = H * covariance_ * H.transpose();
+  Eigen::Matrix3d noise = sigma * sigma * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d S = predicted + noise;
+  const double normalised = innovation.dot(S.inverse() * innovation);
+  innovation_ += (std::min(normalised, kMaxCounted) - innovation_) / kWindow;
+  noise *= std::max(1.0, normalised / kOutlier);  // robust against single wrong poses
+  const Eigen::Matrix<double, 9, 3> gain =
+      covariance_ * H.transpose() * Eigen::Matrix3d(predicted + noise).inverse();
+  state_ += gain * innovation;
+  const Covariance kept = Covariance::Identity() - gain * H;  // Joseph's form stays positive
+  covariance_ = kept * covariance_ * kept.transpose() + gain * noise * gain.transpose();
+}
+
+void GravityEstimator::predict(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
+  const double dt = step.seconds;
+  const Eigen::Matrix3d R_robot_map = step.T_map_previous.linear().transpose();
+  const Eigen::Matrix3d R_current_previous = step.T_previous_current.linear().transpose();
+  Covariance F = Covariance::Identity();
+  F.block<3, 3>(6, 0) = -dt * R_current_previous * R_robot_map;
+  F.block<3, 3>(6, 3) = -dt * R_current_previous;
+  F.block<3, 3>(6, 6) = R_current_previous;
+  state_ = F * state_;
+  state_.tail<3>() += R_current_previous * velocity_increment;
+  covariance_ = F * covariance_ * F.transpose();
+  const double rate = logSo3(step.T_previous_current.linear()).norm() / dt;
+  const double lever = kLeverArm * rate * rate * dt;  // centripetal
+  const double velocity_variance = kForceNoise * kForceNoise * dt + lever * lever;
+  covariance_.diagonal().segment<3>(3).array() += kBiasWalk * kBiasWalk * dt;
+  covariance_.diagonal().tail<3>().array() += velocity_variance;
+}
+
+void GravityEstimator::resetVelocity() {
+  covariance_.rightCols<3>().setZero();
+  covariance_.bottomRows<3>().setZero();
+  covariance_.diagonal().tail<3>().setConstant(kVelocitySigma * kVelocitySigma);
+  state_.tail<3>().setZero();
+}
+
+void GravityEstimator::rotate(const Eigen::Matrix3d& rotation) {
+  Covariance F = Covariance::Identity();
+  F.topLeftCorner<3, 3>() = rotation;
+  state_ = F * state_;
+  covariance_ = F * covariance_ * F.transpose();
+}
+
+Eigen::Matrix2d GravityEstimator::tiltCovariance() const {
+  return covariance_.topLeftCorner<2, 2>() / state_.head<3>().squaredNorm();
+}
+
+double GravityEstimator::tiltSigma() const {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(tiltCovariance(),
+                                                              Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(1)));
+}
+
+double GravityEstimator::normalisedTilt() const {
+  const Eigen::Vector2d tilt = up().head<2>();
+  return tilt.dot(tiltCovariance().inverse() * tilt);
+}
+
+bool GravityEstimator::isContradictory() const { return innovation_ > 10.0 * kExpectedInnovation; }
+
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;

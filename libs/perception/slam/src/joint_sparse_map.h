@@ -1,16 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Joining maps: keyframes that are recognised in another map, the links that agree, and the map of
+// both.
 #pragma once
 
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
-#include "map_links.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
+
+/// Several maps in one, not connected with each other.
+struct SeparateMaps {
+  SparseMap all;
+  std::vector<KeyframeId> first;  ///< keyframe of each map, ascending; a map has the ids up to the
+                                  ///< next map's first
+
+  /// Index of the map that a keyframe belongs to.
+  [[nodiscard]] std::size_t mapOf(KeyframeId keyframe) const;
+};
+
+/// A keyframe that was recognised in another map.
+struct MapLink {
+  KeyframeId keyframe;
+  KeyframeId place;                          ///< the other map's keyframe that it resembles
+  Pose T_place_keyframe = Pose::Identity();  ///< cameras
+  std::vector<std::pair<LandmarkId, LandmarkId>> landmarks;  ///< (the other map's, the keyframe's)
+};
+
+/// The links that agree with each other: those that two others near them confirm, without those
+/// that contradict better confirmed ones.
+///
+/// @param links  by ascending keyframe
+[[nodiscard]] std::vector<MapLink> consistentLinks(std::vector<MapLink> links,
+                                                   const SeparateMaps& maps);
 
 /// Maps that share places, as one.
 struct JointSparseMap {
@@ -24,10 +51,5 @@ struct JointSparseMap {
 [[nodiscard]] std::vector<JointSparseMap> joinSparseMaps(const std::vector<const SparseMap*>& maps,
                                                          const StereoCamera& camera,
                                                          const SlamParams& params);
-
-/// Moves maps onto each other by the links between them, fuses landmarks that are the same, and
-/// adjusts the whole.
-void joinByLinks(const std::vector<MapLink>& links, const StereoCamera& camera, SeparateMaps& maps,
-                 const StopCondition& stop = neverStop);
 
 }  // namespace headway::slam

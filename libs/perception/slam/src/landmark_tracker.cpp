@@ -1,20 +1,112 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Measuring landmarks: a frame prepared for tracking, and where the map's landmarks are in it.
 #include "landmark_tracker.h"
 
-#include <headway/stereo/point_tracking.h>
+#include <headway/core/error.h>
+#include <headway/core/statistics.h>
+#include <headway/stereo/patch.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <string>
 
 namespace headway::slam {
 namespace {
 
-constexpr int kTrackedLevel = 1;  ///< pyramid level whose noise tracked landmarks have
-/// The motion model predicts most positions well; starting at a coarse level could then lead to a
-/// similar structure nearby, so that is left to points that are not found.
-constexpr stereo::PointTrackingOptions kNearPrediction{15, 1, 25.0, 0.0, 0.6};
-constexpr stereo::PointTrackingOptions kCoarseToFine{15, 3, 25.0, 0.0, 0.6};
+/// The pixels of a box that lie in the image; none for a box that is not finite.
+cv::Rect pixelsOf(const Box2d& box, const cv::Size& image_size) {
+  if (!std::isfinite(box.left + box.right + box.top + box.bottom)) return {};
+  const auto column = [&](double u) { return std::clamp(u, -1.0, image_size.width + 0.0); };
+  const auto row = [&](double v) { return std::clamp(v, -1.0, image_size.height + 0.0); };
+  const cv::Point first(static_cast<int>(std::floor(column(box.left))),
+                        static_cast<int>(std::floor(row(box.top))));
+  const cv::Point last(static_cast<int>(std::ceil(column(box.right))),
+                       static_cast<int>(std::ceil(row(box.bottom))));
+  if (last.x < first.x || last.y < first.y) return {};
+  return cv::Rect(first, last + cv::Point(1, 1)) & cv::Rect({0, 0}, image_size);
+}
+
+void draw(const std::vector<MovingBox>& boxes, cv::Mat& mask) {
+  for (const Box2d& box : boxes) mask(pixelsOf(box, mask.size())).setTo(255);
+}
+
+}  // namespace
+
+cv::Mat excludedMask(const MovingRegions& moving, DynamicRejection mode,
+                     const cv::Size& image_size) {
+  const bool wanted = mode == DynamicRejection::kBoxes || mode == DynamicRejection::kBoth;
+  const bool unsure = mode == DynamicRejection::kBoxes && !moving.unsure.empty();
+  if (!wanted || (moving.boxes.empty() && moving.mask.empty() && !unsure)) return {};
+  if (!moving.mask.empty() && (moving.mask.type() != CV_8UC1 || moving.mask.size() != image_size)) {
+    throw InputError("moving regions: the mask is " + std::to_string(moving.mask.cols) + "x" +
+                     std::to_string(moving.mask.rows) + ", must be 8-bit and " +
+                     std::to_string(image_size.width) + "x" + std::to_string(image_size.height) +
+                     " as the image");
+  }
+  cv::Mat mask =
+      moving.mask.empty() ? cv::Mat(image_size, CV_8UC1, cv::Scalar(0)) : moving.mask.clone();
+  draw(moving.boxes, mask);
+  if (unsure) draw(moving.unsure, mask);
+  return mask;
+}
+
+cv::Mat suspectMask(const MovingRegions& moving, DynamicRejection mode,
+                    const cv::Size& image_size) {
+  if (mode != DynamicRejection::kBoth || moving.unsure.empty()) return {};
+  cv::Mat mask(image_size, CV_8UC1, cv::Scalar(0));
+  draw(moving.unsure, mask);
+  return mask;
+}
+
+namespace {
+
+void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
+  const bool is_depth = !frame.disparity.empty();
+  for (const cv::Mat* image : {&frame.left, is_depth ? &frame.disparity : &frame.right}) {
+    const int type = image == &frame.disparity ? CV_32FC1 : CV_8UC1;
+    if (image->type() == type && image->cols == camera.width && image->rows == camera.height) {
+      continue;
+    }
+    throw InputError("stereo frame " + std::to_string(frame.index) + ": an image is " +
+                     std::to_string(image->cols) + "x" + std::to_string(image->rows) +
+                     ", must be 8-bit grey and " + std::to_string(camera.width) + "x" +
+                     std::to_string(camera.height) + " as calibrated");
+  }
+}
+
+/// Cells so small that those outside of the excluded regions are about `features`, in steps of two,
+/// so that they stay the same from frame to frame; not smaller than a patch, because neighbouring
+/// landmarks would measure the same pixels.
+FeatureGrid gridOutside(const cv::Mat& excluded, const StereoCamera& camera, int features) {
+  const double area = static_cast<double>(camera.width) * camera.height;
+  const double usable = excluded.empty() ? area : area - cv::countNonZero(excluded);
+  const double factor = std::exp2(std::round(std::log2(area / std::max(usable, 1.0))));
+  const double most = std::max<double>(features, area / square(stereo::kPatchSize));
+  return {camera.width, camera.height, static_cast<int>(std::min(factor * features, most))};
+}
+
+}  // namespace
+
+TrackingFrame makeTrackingFrame(const stereo::FrameContext& context, const MovingRegions& moving,
+                                const StereoCamera& camera, const SlamParams& params) {
+  const StereoFrame& frame = context.frame();
+  requireImages(frame, camera);
+  TrackingFrame current;
+  current.index = frame.index;
+  current.time = frame.time;
+  current.left = context.left();
+  current.right = context.right();
+  current.excluded = excludedMask(moving, params.dynamic_rejection, frame.left.size());
+  current.suspect = suspectMask(moving, params.dynamic_rejection, frame.left.size());
+  current.grid = gridOutside(current.excluded, camera, params.features);
+  return current;
+}
+
+namespace {
+
+constexpr int kTrackedLevel = 1;  ///< pyramid level whose noise tracked points have
 
 /// The turn and stretch from one pixel of the view to pixels of the reference, both at level 0,
 /// for a small plane that faces the reference camera.
@@ -38,16 +130,35 @@ bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv) {
   return excluded.at<std::uint8_t>(v, u) != 0;
 }
 
+std::optional<Eigen::Vector3d> visibleAt(const Eigen::Vector3d& point_cam,
+                                         const TrackingFrame& frame, const StereoCamera& camera) {
+  const auto uvd = project(point_cam, camera);
+  const bool is_visible = uvd && uvd->x() >= 0.0 && uvd->y() >= 0.0 && uvd->x() < camera.width &&
+                          uvd->y() < camera.height && !isExcluded(frame.excluded, uvd->head<2>());
+  return is_visible ? uvd : std::nullopt;
+}
+
+/// The motion model predicts most positions well; starting at a coarse level could then lead to a
+/// similar structure nearby, so that is left to points that are not found.
+std::vector<stereo::TrackedPosition> followPoints(const stereo::ImagePyramid& from,
+                                                  const TrackingFrame& frame,
+                                                  const std::vector<Eigen::Vector2d>& points,
+                                                  const std::vector<Eigen::Vector2d>& predicted) {
+  stereo::PointTrackingOptions options{15, kTrackedLevel, 25.0, 0.0, 0.6};
+  auto found = stereo::trackPoints(from, frame.left, points, predicted, options);
+  options.coarsest_level = 3;
+  stereo::trackMissing(from, frame.left, points, predicted, options, found);
+  for (stereo::TrackedPosition& position : found) {
+    if (position && isExcluded(frame.excluded, *position)) position.reset();
+  }
+  return found;
+}
+
 struct LandmarkTracker::Candidate {
   int cell = 0;
   const Landmark* landmark = nullptr;
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< where it should be
 };
-
-LandmarkTracker::LandmarkTracker(const StereoCamera& camera, const SlamParams& params)
-    : camera_(camera),
-      params_(params),
-      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc) {}
 
 std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previous,
                                                      const std::vector<TrackedLandmark>& tracked,
@@ -67,12 +178,10 @@ std::vector<TrackedLandmark> LandmarkTracker::follow(const TrackingFrame& previo
     before.push_back(seen.measurement.uv);
     predicted.emplace_back(uvd->head<2>());
   }
-  auto positions =
-      stereo::trackPoints(previous.left, current.left, before, predicted, kNearPrediction);
-  stereo::trackMissing(previous.left, current.left, before, predicted, kCoarseToFine, positions);
+  const auto positions = followPoints(previous.left, current, before, predicted);
   std::vector<TrackedLandmark> followed;
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (!positions[i] || isExcluded(current.excluded, *positions[i])) continue;
+    if (!positions[i]) continue;
     TrackedLandmark result;
     result.id = ids[i];
     result.level = kTrackedLevel;
@@ -93,12 +202,8 @@ std::vector<LandmarkTracker::Candidate> LandmarkTracker::candidatesByCell(
   for (const LandmarkId id : candidates) {
     const Landmark* landmark = map.find(id);
     if (landmark == nullptr) continue;
-    const auto uvd = project(T_cam_map * landmark->position, camera_);
-    if (!uvd || uvd->x() < 0.0 || uvd->y() < 0.0 || uvd->x() >= camera_.width ||
-        uvd->y() >= camera_.height || isExcluded(current.excluded, uvd->head<2>())) {
-      continue;
-    }
-    in_view.push_back({current.grid.cellOf(uvd->head<2>()), landmark, *uvd});
+    const auto uvd = visibleAt(T_cam_map * landmark->position, current, camera_);
+    if (uvd) in_view.push_back({current.grid.cellOf(uvd->head<2>()), landmark, *uvd});
   }
   std::sort(in_view.begin(), in_view.end(), [](const Candidate& a, const Candidate& b) {
     if (a.cell != b.cell) return a.cell < b.cell;

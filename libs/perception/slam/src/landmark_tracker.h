@@ -1,17 +1,80 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Measuring landmarks: a frame prepared for tracking, and where the map's landmarks are in it.
 #pragma once
 
+#include <headway/core/moving_regions.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
+#include <headway/stereo/frame_context.h>
+#include <headway/stereo/point_tracking.h>
 #include <headway/stereo/stereo_match.h>
 
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
 #include "keypoints.h"
 #include "sparse_map.h"
-#include "tracking_frame.h"
 
 namespace headway::slam {
+
+/// Where nothing may be measured: the moving regions as a mask, boxes drawn full.
+///
+/// Unsure regions are excluded only in the mode without a geometric test.
+///
+/// @return  8-bit, non-zero inside a region; empty where the mode ignores regions or there is none
+/// @throws  InputError if the regions' mask is not 8-bit or not of the image's size
+[[nodiscard]] cv::Mat excludedMask(const MovingRegions& moving, DynamicRejection mode,
+                                   const cv::Size& image_size);
+
+/// Where landmarks must be verified static before they constrain the pose: the unsure regions, in
+/// the mode with both tests.
+///
+/// @return  8-bit, non-zero inside a region; empty where there is none
+[[nodiscard]] cv::Mat suspectMask(const MovingRegions& moving, DynamicRejection mode,
+                                  const cv::Size& image_size);
+
+/// One frame, prepared for tracking.
+struct TrackingFrame {
+  std::size_t index = 0;
+  Time time = 0.0;  ///< [s]
+  stereo::ImagePyramid left;
+  stereo::SecondView right;
+  cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
+  cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must be verified first; may be empty
+  FeatureGrid grid;  ///< about params.features cells outside of the excluded regions
+};
+
+/// Pyramids of both images, contrast-stretched in poor light, and the masks.
+///
+/// @throws InputError if an image is not 8-bit grey and of the camera's size, or the regions' mask
+///         is not
+[[nodiscard]] TrackingFrame makeTrackingFrame(const stereo::FrameContext& context,
+                                              const MovingRegions& moving,
+                                              const StereoCamera& camera, const SlamParams& params);
+
+/// Whether this pixel is set in a mask; nowhere in an empty one.
+[[nodiscard]] bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv);
+
+/// Where a frame shows a point: (u, v, disparity); nullopt if it is not in the image, or where
+/// nothing may be measured.
+[[nodiscard]] std::optional<Eigen::Vector3d> visibleAt(const Eigen::Vector3d& point_cam,
+                                                       const TrackingFrame& frame,
+                                                       const StereoCamera& camera);
+
+/// Follows points into a frame by KLT; nullopt for those that are not found where something may be
+/// measured.
+///
+/// @param from       with gradients
+/// @param predicted  positions in the frame, one each
+[[nodiscard]] std::vector<stereo::TrackedPosition> followPoints(
+    const stereo::ImagePyramid& from, const TrackingFrame& frame,
+    const std::vector<Eigen::Vector2d>& points, const std::vector<Eigen::Vector2d>& predicted);
+
+/// The matcher of left and right image by these parameters.
+[[nodiscard]] inline stereo::StereoMatcher matcherFor(const StereoCamera& camera,
+                                                      const SlamParams& params) {
+  return {static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc};
+}
 
 /// A landmark as found in one frame.
 struct TrackedLandmark {
@@ -28,7 +91,8 @@ struct TrackedLandmark {
 /// so that errors do not accumulate from frame to frame.
 class LandmarkTracker {
  public:
-  LandmarkTracker(const StereoCamera& camera, const SlamParams& params);
+  LandmarkTracker(const StereoCamera& camera, const SlamParams& params)
+      : camera_(camera), params_(params), matcher_(matcherFor(camera, params)) {}
 
   /// Where landmarks of the previous frame are now, left image alone.
   ///
@@ -70,8 +134,5 @@ class LandmarkTracker {
   SlamParams params_;
   stereo::StereoMatcher matcher_;
 };
-
-/// Whether this pixel is set in a mask; nowhere in an empty one.
-[[nodiscard]] bool isExcluded(const cv::Mat& excluded, const Eigen::Vector2d& uv);
 
 }  // namespace headway::slam

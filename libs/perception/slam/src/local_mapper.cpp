@@ -1,11 +1,160 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Local mapping: where a keyframe is chosen, landmarks are created, and both are culled.
 #include "local_mapper.h"
 
-#include <algorithm>
+#include <headway/core/statistics.h>
 
-#include "map_culling.h"
+#include <algorithm>
+#include <functional>
+#include <map>
 
 namespace headway::slam {
+namespace {
+
+/// What a frame and a keyframe both see.
+struct SharedView {
+  KeyframeId keyframe;
+  int landmarks = 0;     ///< of the frame's, seen by the keyframe, too
+  double flow_px = 0.0;  ///< median distance of their places in both images
+};
+
+/// Compares the landmarks tracked in a frame with one keyframe.
+SharedView sharedView(KeyframeId keyframe, const std::vector<TrackedLandmark>& tracked,
+                      const SparseMap& map) {
+  std::vector<double> flow;
+  for (const TrackedLandmark& seen : tracked) {
+    for (const LandmarkObservation& observation : map.find(seen.id)->observations) {
+      if (observation.keyframe != keyframe) continue;
+      flow.push_back((observation.measurement.uv - seen.measurement.uv).norm());
+    }
+  }
+  return {keyframe, static_cast<int>(flow.size()), percentile(flow, 0.5)};
+}
+
+/// The keyframe that saw the frame's landmarks most nearly where they are now, among those that
+/// share at least half as many as the one that shares most; nullopt if none is wanted.
+std::optional<SharedView> nearestView(const std::vector<TrackedLandmark>& tracked,
+                                      const SparseMap& map,
+                                      const std::function<bool(KeyframeId)>& wanted) {
+  std::map<KeyframeId, int> shared;
+  int max = 0;
+  for (const TrackedLandmark& seen : tracked) {
+    for (const LandmarkObservation& observation : map.find(seen.id)->observations) {
+      max = std::max(max, ++shared[observation.keyframe]);
+    }
+  }
+  std::optional<SharedView> nearest;
+  for (const auto& [id, landmarks] : shared) {
+    if (2 * landmarks < max || !wanted(id)) continue;
+    const SharedView view = sharedView(id, tracked, map);
+    if (!nearest || view.flow_px < nearest->flow_px) nearest = view;
+  }
+  return nearest;
+}
+
+/// Whether a frame shows so much of what a keyframe shows, and so little moved, that it needs no
+/// keyframe of its own.
+///
+/// @param landmarks  of the frame, that count
+bool isLike(const SharedView& view, std::size_t landmarks, const SlamParams& params,
+            int image_width, const SparseMap& map) {
+  const auto all = static_cast<double>(map.keyframe(view.keyframe).landmarks.size());
+  return static_cast<double>(landmarks) >= params.keyframe_overlap * all &&
+         view.flow_px <= params.keyframe_flow_ratio * image_width;
+}
+
+}  // namespace
+
+std::optional<KeyframeId> referenceOf(const std::vector<TrackedLandmark>& landmarks,
+                                      KeyframeId before, const SlamParams& params, int image_width,
+                                      const SparseMap& map) {
+  const SharedView shared = sharedView(before, landmarks, map);
+  if (isLike(shared, static_cast<std::size_t>(shared.landmarks), params, image_width, map)) {
+    return before;
+  }
+  const KeyframeId window = map.firstOfNewest(params.mapping ? params.window : 0);
+  const auto is_old = [&](KeyframeId id) { return !window.valid() || id < window; };
+  const auto old = nearestView(landmarks, map, is_old);
+  if (!params.mapping) return old ? old->keyframe : before;
+  if (old && isLike(*old, landmarks.size(), params, image_width, map)) return old->keyframe;
+  return std::nullopt;
+}
+
+namespace {
+
+constexpr int kReach = 3;  ///< windows of neighbours that are searched
+
+/// Keyframes around the newest one that are not among the `window` newest, ascending.
+std::vector<KeyframeId> olderNeighbours(KeyframeId newest, int window, const SparseMap& map) {
+  std::vector<KeyframeId> around = map.neighbourhood(newest, kReach * window);
+  const KeyframeId end = map.firstOfNewest(window);
+  around.erase(std::lower_bound(around.begin(), around.end(), end), around.end());
+  return around;
+}
+
+bool isRarelyFound(const Landmark& landmark) {
+  constexpr int kTrial = 3;             ///< tries before a landmark is judged
+  constexpr double kFoundShare = 0.25;  ///< of tries that must succeed
+  return landmark.tried >= kTrial && landmark.found < kFoundShare * landmark.tried;
+}
+
+/// Whether enough other keyframes see a landmark from as near as this one does.
+bool isObservedByOthers(const Landmark& landmark, const Keyframe& keyframe, const SparseMap& map) {
+  constexpr int kOthers = 3;
+  constexpr double kAsNear = 1.2;  ///< times the distance
+  const auto distance = [&](const Keyframe& from) {
+    return (landmark.position - from.T_map_cam.translation()).norm();
+  };
+  const double limit = kAsNear * distance(keyframe);
+  int others = 0;
+  for (const LandmarkObservation& observation : landmark.observations) {
+    if (observation.keyframe == keyframe.id) continue;
+    others += distance(map.keyframe(observation.keyframe)) <= limit ? 1 : 0;
+  }
+  return others >= kOthers;
+}
+
+bool isRedundant(const Keyframe& keyframe, const SparseMap& map) {
+  constexpr double kOwnShare = 0.1;  ///< of its landmarks that others need not see as well
+  const double allowed = kOwnShare * static_cast<double>(keyframe.landmarks.size());
+  int own = 0;
+  for (const LandmarkId id : keyframe.landmarks) {
+    own += isObservedByOthers(*map.find(id), keyframe, map) ? 0 : 1;
+    if (own > allowed) return false;
+  }
+  return !keyframe.landmarks.empty();
+}
+
+}  // namespace
+
+void cullLandmarks(KeyframeId newest, int window, SparseMap& map) {
+  std::vector<LandmarkId> culled;
+  for (const LandmarkId id : map.seenBy(map.neighbourhood(newest, window))) {
+    if (isRarelyFound(*map.find(id))) culled.push_back(id);
+  }
+  for (const LandmarkId id : map.seenBy(olderNeighbours(newest, window, map))) {
+    if (map.find(id)->observations.size() == 1) culled.push_back(id);
+  }
+  for (const LandmarkId id : culled) {
+    if (map.find(id) != nullptr) map.removeLandmark(id);
+  }
+}
+
+std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window, const SparseMap& map) {
+  for (const KeyframeId id : olderNeighbours(newest, window, map)) {
+    const bool is_first = id == map.keyframes().begin()->first;
+    if (!is_first && isRedundant(map.keyframe(id), map)) return id;
+  }
+  return std::nullopt;
+}
+
+KeyframeId replacementKeyframe(KeyframeId keyframe, const SparseMap& map) {
+  for (const KeyframeId id : map.neighbourhood(keyframe, 2)) {
+    if (id != keyframe) return id;
+  }
+  return map.keyframes().begin()->first;
+}
+
 namespace {
 
 constexpr double kRenewStretch = 0.6;  ///< patches stretched further than 1 / this are replaced
@@ -17,7 +166,7 @@ LocalMapper::LocalMapper(const StereoCamera& camera, const SlamParams& params,
     : camera_(camera),
       params_(params),
       adjuster_(adjuster),
-      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc),
+      matcher_(matcherFor(camera, params)),
       odometry_(params.use_odometry) {}
 
 KeyframeId LocalMapper::insert(const TrackingFrame& frame, const Pose& T_map_cam,

@@ -1,18 +1,95 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Local mapping: where a keyframe is chosen, landmarks are created, and both are culled.
 #pragma once
 
+#include <headway/core/ids.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
 
+#include <algorithm>
+#include <optional>
 #include <vector>
 
-#include "bundle_adjuster.h"
-#include "keyframe_odometry.h"
+#include "bundle_adjustment.h"
 #include "keypoints.h"
 #include "landmark_tracker.h"
 #include "sparse_map.h"
+#include "wheel_odometry.h"
 
 namespace headway::slam {
+
+/// Removes landmarks around the newest keyframe that are rarely found, and those that only one
+/// keyframe outside of the window observes.
+///
+/// @param window  newest keyframes whose landmarks may still be seen a second time
+void cullLandmarks(KeyframeId newest, int window, SparseMap& map);
+
+/// A keyframe near the newest one, but older than the `window` newest ones, that is redundant:
+/// nearly all of its landmarks are observed by several others from as near.
+///
+/// So a place that is passed again and again keeps a bounded number of keyframes, while one that
+/// is passed once keeps what it has. The first keyframe, which holds the map in place, stays.
+///
+/// @return nullopt if there is none
+/// @see Mur-Artal & Tardos 2015, sec. VI-E (survival of the fittest)
+[[nodiscard]] std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window,
+                                                          const SparseMap& map);
+
+/// The keyframe that frames anchored to `keyframe` are reassigned to when it is removed: the one
+/// that shares most landmarks with it, or else the first one.
+[[nodiscard]] KeyframeId replacementKeyframe(KeyframeId keyframe, const SparseMap& map);
+
+/// The keyframe that a tracked frame belongs to, and from which the next frame is tracked.
+///
+/// That is the one before as long as the frame shows most of its landmarks, about where it saw
+/// them. Else it is an older keyframe that saw the place from about here, if the frame finds as
+/// many landmarks as that did, be they its own or those of other times: so a place that is passed
+/// again needs no new keyframes. Without mapping, where no keyframe can be made, it is the nearest
+/// that there is.
+///
+/// @param before       keyframe that the frame before belonged to
+/// @param image_width  [px]
+/// @return             nullopt if the frame is to become a keyframe itself
+[[nodiscard]] std::optional<KeyframeId> referenceOf(const std::vector<TrackedLandmark>& landmarks,
+                                                    KeyframeId before, const SlamParams& params,
+                                                    int image_width, const SparseMap& map);
+
+/// Age of the submap that was initialised last, at a predicted pose.
+///
+/// There is none before the first initialisation, or after relocalisation in an older submap.
+class ActiveSubmap {
+ public:
+  void initialise(KeyframeId first) {
+    first_ = first;
+    frames_ = 0;
+  }
+  /// A frame was tracked.
+  void countTrackedFrame() { ++frames_; }
+  /// The camera was relocalised at a keyframe, which may belong to an older submap.
+  void relocaliseAt(KeyframeId recognised) {
+    if (recognised < first_) first_ = KeyframeId{};
+  }
+
+  /// First keyframe; invalid if there is no active submap.
+  [[nodiscard]] KeyframeId first() const { return first_; }
+
+  /// Whether its static landmarks may still be reassigned.
+  [[nodiscard]] bool isNew() const { return first_.valid() && frames_ < kNewFrames; }
+
+  /// Lost frames after which a new submap is initialised: at most as many as were tracked in this
+  /// one, since a submap lost right after its initialisation may be wrong.
+  ///
+  /// @param restart_after  of a map that is not new
+  [[nodiscard]] int maxLostFrames(int restart_after) const {
+    return first_.valid() ? std::min(restart_after, 1 + frames_) : restart_after;
+  }
+
+ private:
+  static constexpr int kNewFrames = 8;  ///< tracked frames
+
+  KeyframeId first_;
+  int frames_ = 0;  ///< tracked ones
+};
 
 /// Extends the map by keyframes and keeps its newest part adjusted and clean.
 class LocalMapper {

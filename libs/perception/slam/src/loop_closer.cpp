@@ -1,14 +1,156 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Loop closing: search for places seen before, verification, and correction of the map.
 #include "loop_closer.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <future>
 #include <iterator>
 #include <limits>
+#include <unordered_map>
 
-#include "disjoint_sets.h"
-#include "relocaliser.h"
+#include "place_recognition.h"
+#include "wheel_odometry.h"
 
 namespace headway::slam {
+namespace {
+
+/// Standard deviations of the relative pose of two keyframes. All edges have them, those of loops
+/// as well, so that only their growth with the way and their ratio to each other count.
+struct EdgeNoise {
+  double floor_m = 0.005;
+  double per_m = 0.01;  ///< of the way [m/m]
+  double floor_rad = 0.0005;
+  double rad_per_m = 0.0005;  ///< of the way [rad/m]
+};
+
+PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
+  constexpr EdgeNoise kNoise;
+  PoseGraphEdge edge;
+  edge.a = a.id;
+  edge.b = b.id;
+  edge.T_a_b = a.T_map_cam.inverse(Eigen::Isometry) * b.T_map_cam;
+  const double length = edge.T_a_b.translation().norm();
+  edge.sigma_m = kNoise.floor_m + kNoise.per_m * length;
+  edge.sigma_rad = kNoise.floor_rad + kNoise.rad_per_m * length;
+  return edge;
+}
+
+/// Constrains a submap that shares no landmarks with the rest: by wheel odometry if that is known
+/// throughout, or so weakly that any other edge outweighs it.
+PoseGraphEdge edgeAcrossGap(const Keyframe& a, const Keyframe& b) {
+  PoseGraphEdge edge = edgeBetween(a, b);
+  edge.sigma_m = 100.0;
+  edge.sigma_rad = 10.0;
+  if (!b.odometry || b.odometry->from != a.id) return edge;
+  const PoseCovariance covariance = covarianceOf(*b.odometry);
+  edge.sigma_m = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+  edge.sigma_rad = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
+  return edge;
+}
+
+/// The keyframes that observe each landmark.
+class Observers {
+ public:
+  explicit Observers(const std::map<KeyframeId, Keyframe>& keyframes) {
+    for (const auto& [id, keyframe] : keyframes) {
+      for (const LandmarkId landmark : keyframe.landmarks) observers_[landmark].push_back(id);
+    }
+  }
+
+  /// As SparseMap::neighbourhood().
+  [[nodiscard]] std::vector<KeyframeId> neighbourhood(const Keyframe& of, int count) const {
+    std::map<KeyframeId, int> shared;
+    for (const LandmarkId id : of.landmarks) {
+      for (const KeyframeId keyframe : observers_.at(id)) ++shared[keyframe];
+    }
+    return mostShared(of.id, std::move(shared), count);
+  }
+
+ private:
+  std::unordered_map<LandmarkId, std::vector<KeyframeId>> observers_;
+};
+
+/// Whether two consecutive keyframes share no landmark: the camera was lost between them, so their
+/// relative pose is only predicted.
+bool shareNoLandmarks(const Keyframe& a, const Keyframe& b) {
+  auto at_a = a.landmarks.begin();
+  auto at_b = b.landmarks.begin();
+  while (at_a != a.landmarks.end() && at_b != b.landmarks.end()) {
+    if (*at_a == *at_b) return false;
+    *at_a < *at_b ? ++at_a : ++at_b;
+  }
+  return true;
+}
+
+/// Copies of the keyframes that a loop may move: those of both submaps.
+std::map<KeyframeId, Keyframe> keyframesOfLoop(KeyframeId newest, KeyframeId old,
+                                               const SparseMap& map) {
+  std::map<KeyframeId, Keyframe> members;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.submap != map.submapOf(newest) && keyframe.submap != map.submapOf(old)) continue;
+    members.emplace_hint(members.end(), id, keyframe);
+  }
+  return members;
+}
+
+/// Adds the loop's measurements to the newest keyframe, which must be in the map.
+void observeLoop(const ClosedLoop& loop, SparseMap& map) {
+  const std::vector<LandmarkId> seen = map.keyframe(loop.newest).landmarks;
+  for (const TrackedLandmark& landmark : loop.landmarks) {
+    if (map.find(landmark.id) == nullptr) continue;
+    if (std::binary_search(seen.begin(), seen.end(), landmark.id)) continue;
+    map.observe(loop.newest, landmark.id, landmark.measurement);
+  }
+}
+
+}  // namespace
+
+std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyframes) {
+  constexpr int kNeighbours = 5;  ///< of a keyframe, itself included: the graph stays sparse
+  const Observers observers(keyframes);
+  std::vector<PoseGraphEdge> edges;
+  const Keyframe* before = nullptr;
+  for (const auto& [id, keyframe] : keyframes) {
+    if (before != nullptr) {
+      edges.push_back(shareNoLandmarks(*before, keyframe) ? edgeAcrossGap(*before, keyframe)
+                                                          : edgeBetween(*before, keyframe));
+    }
+    for (const KeyframeId other : observers.neighbourhood(keyframe, kNeighbours)) {
+      if (other < id && (before == nullptr || other != before->id)) {
+        edges.push_back(edgeBetween(keyframes.at(other), keyframe));
+      }
+    }
+    before = &keyframe;
+  }
+  return edges;
+}
+
+std::map<KeyframeId, Pose> posesWithLoops(const std::map<KeyframeId, Keyframe>& keyframes,
+                                          const std::vector<ClosedLoop>& loops,
+                                          const StopCondition& stop) {
+  auto edges = edgesOf(keyframes);
+  for (const ClosedLoop& loop : loops) {
+    PoseGraphEdge closing = edgeBetween(keyframes.at(loop.old), keyframes.at(loop.newest));
+    closing.T_a_b = loop.T_old_newest;
+    edges.push_back(closing);
+  }
+  std::map<KeyframeId, Pose> poses;
+  for (const auto& [id, keyframe] : keyframes) poses[id] = keyframe.T_map_cam;
+  return optimisePoseGraph(poses, edges, stop);
+}
+
+void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map) {
+  for (const auto& [id, landmark] : map.landmarks()) {
+    const auto moved = corrected.find(landmark.reference);
+    if (moved == corrected.end()) continue;
+    const Pose T_cam_map = map.keyframe(landmark.reference).T_map_cam.inverse(Eigen::Isometry);
+    map.findToChange(id)->position = moved->second * (T_cam_map * landmark.position);
+  }
+  for (const auto& [id, pose] : corrected) map.keyframeToChange(id).T_map_cam = pose;
+}
+
 namespace {
 
 constexpr int kMinAge = 20;          ///< keyframes between a place and its return, at least
@@ -23,32 +165,6 @@ std::vector<Descriptor> descriptorsOf(KeyframeId keyframe, const SparseMap& map)
   return descriptors;
 }
 
-std::vector<Descriptor> descriptorsOf(const std::vector<DescribedPoint>& points) {
-  std::vector<Descriptor> descriptors;
-  for (const DescribedPoint& point : points) descriptors.push_back(point.descriptor);
-  return descriptors;
-}
-
-/// Disjoint sets of keyframes.
-class KeyframeGroups {
- public:
-  explicit KeyframeGroups(const std::map<KeyframeId, Keyframe>& keyframes)
-      : sets_(keyframes.size()) {
-    for (const auto& [id, keyframe] : keyframes) ids_.push_back(id);
-  }
-  /// A number that all keyframes of one set have in common.
-  [[nodiscard]] std::size_t of(KeyframeId id) { return sets_.of(indexOf(id)); }
-  void join(KeyframeId a, KeyframeId b) { sets_.join(indexOf(a), indexOf(b)); }
-
- private:
-  [[nodiscard]] std::size_t indexOf(KeyframeId id) const {
-    return static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
-  }
-
-  std::vector<KeyframeId> ids_;  ///< ascending
-  DisjointSets sets_;
-};
-
 /// Keyframes that no chain of shared landmarks connects to the newest one, so that their distance
 /// is unknown, ascending.
 std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
@@ -57,16 +173,21 @@ std::vector<KeyframeId> unrelatedTo(KeyframeId newest, const SparseMap& map) {
     return shareNoLandmarks(a.second, b.second);
   };
   if (std::adjacent_find(keyframes.begin(), keyframes.end(), apart) == keyframes.end()) return {};
-  KeyframeGroups groups(keyframes);
+  std::vector<KeyframeId> ids;
+  for (const auto& [id, keyframe] : keyframes) ids.push_back(id);
+  const auto indexOf = [&ids](KeyframeId id) {
+    return static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+  };
+  DisjointSets groups(ids.size());
   for (const auto& [id, landmark] : map.landmarks()) {
-    const KeyframeId first = landmark.observations.front().keyframe;
+    const std::size_t first = indexOf(landmark.observations.front().keyframe);
     for (const LandmarkObservation& other : landmark.observations) {
-      groups.join(first, other.keyframe);
+      groups.join(first, indexOf(other.keyframe));
     }
   }
   std::vector<KeyframeId> unrelated;
-  for (const auto& [id, keyframe] : keyframes) {
-    if (groups.of(id) != groups.of(newest)) unrelated.push_back(id);
+  for (const KeyframeId id : ids) {
+    if (groups.of(indexOf(id)) != groups.of(indexOf(newest))) unrelated.push_back(id);
   }
   return unrelated;
 }
@@ -184,7 +305,7 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
     attempts.push_back(candidate.attempt);
     if (!loop) continue;
     adjuster_.abandon();
-    applyCorrection(posesWithLoop(keyframesOfLoop(newest, keyframe, map), *loop, params_.stop),
+    applyCorrection(posesWithLoops(keyframesOfLoop(newest, keyframe, map), {*loop}, params_.stop),
                     map);
     map.joinSubmaps(map.submapOf(newest), map.submapOf(keyframe));
     adjustAll(*loop, map);
@@ -220,6 +341,174 @@ void LoopCloser::adjustAll(const ClosedLoop& loop, SparseMap& map) const {
     if (keyframe.submap == map.submapOf(loop.newest)) all.push_back(id);
   }
   adjuster_.adjust(map, all, kGlobalIterations);
+}
+
+/// A running search. One step at a time runs in another thread, on the data in here alone.
+struct LoopCloser::Search {
+  enum class Step { kDescribe, kVerify, kCorrect, kAdjust };
+
+  Step step = Step::kDescribe;
+  bool abandoned = false;
+  TrackingFrame frame;
+  KeyframeId newest;                         ///< made of the frame
+  std::vector<KeyframeId> old;               ///< keyframes that may show the same place
+  std::vector<DescribedPoint> points;        ///< of the frame
+  std::vector<KeyframeId> candidates;        ///< to be verified, best first
+  LoopCandidate candidate;                   ///< that is being verified
+  SparseMap landmarks;                       ///< copies, of its surroundings
+  std::vector<LoopAttempt> attempts;         ///< candidates tested
+  std::optional<ClosedLoop> loop;            ///< the verified one
+  std::map<KeyframeId, Keyframe> keyframes;  ///< copies, of the whole map
+  std::map<KeyframeId, Pose> corrected;
+  std::future<void> running;
+  WorkerThread& worker;
+
+  explicit Search(WorkerThread& in) : worker(in) {}
+  template <typename Work>
+  void start(Step next, Work work) {
+    step = next;
+    running = worker.run(std::move(work));
+  }
+  [[nodiscard]] bool finished() const {
+    return running.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+};
+
+LoopCloser::LoopCloser(const StereoCamera& camera, const SlamParams& params,
+                       BundleAdjuster& adjuster)
+    : camera_(camera), params_(params), adjuster_(adjuster), tracker_(camera, params) {}
+
+LoopCloser::~LoopCloser() = default;
+
+void LoopCloser::search(const TrackingFrame& frame, KeyframeId newest, const SparseMap& map) {
+  if (search_ != nullptr || newest.value % kSpacing != 0) return;
+  auto old = findLoopCandidates(newest, map);
+  if (old.empty()) return;
+  search_ = std::make_unique<Search>(worker_);
+  search_->frame = frame;
+  search_->newest = newest;
+  search_->old = std::move(old);
+  search_->start(Search::Step::kDescribe,
+                 [search = search_.get()] { search->points = describe(search->frame); });
+}
+
+std::vector<LoopAttempt> LoopCloser::closeOrSearch(const TrackingFrame& frame, KeyframeId newest,
+                                                   SparseMap& map) {
+  if (!params_.adjust_in_background) return close(frame, newest, map);
+  search(frame, newest, map);
+  return {};
+}
+
+LoopProgress LoopCloser::advance(SparseMap& map) {
+  LoopProgress progress;
+  if (search_ == nullptr || !search_->finished()) return progress;
+  search_->running.get();
+  const bool in_vain = search_->abandoned || map.keyframes().count(search_->newest) == 0;
+  if (in_vain && search_->step != Search::Step::kAdjust) {
+    endSearch();
+    return progress;
+  }
+  switch (search_->step) {
+    case Search::Step::kDescribe:
+      search_->candidates = mostAlike(search_->points, search_->old);
+      if (!verifyNext(map)) endSearch();
+      break;
+    case Search::Step::kVerify:
+      if (map.keyframes().count(search_->candidate.attempt.candidate) == 0) {
+        search_->loop.reset();  // culled meanwhile
+      } else {
+        search_->attempts.push_back(search_->candidate.attempt);
+      }
+      if (search_->loop) {
+        startCorrection(map);  // the loop is reported with the correction of the map
+      } else if (!verifyNext(map)) {
+        progress.attempts = std::move(search_->attempts);
+        endSearch();
+      }
+      break;
+    case Search::Step::kCorrect:
+      progress.attempts = std::move(search_->attempts);
+      progress.correction = correct(map);
+      search_->start(Search::Step::kAdjust, [] {});
+      break;
+    case Search::Step::kAdjust:
+      adjuster_.hold(false);
+      adjustAll(*search_->loop, map);
+      endSearch();
+      break;
+  }
+  return progress;
+}
+
+LoopProgress LoopCloser::finish(SparseMap& map) {
+  LoopProgress progress;
+  while (search_ != nullptr) {
+    search_->running.wait();
+    LoopProgress step = advance(map);
+    if (!step.attempts.empty() || step.correction) progress = std::move(step);
+  }
+  return progress;
+}
+
+void LoopCloser::abandon() {
+  if (search_ != nullptr) search_->abandoned = true;
+}
+
+void LoopCloser::endSearch() {
+  search_.reset();
+  adjuster_.hold(false);
+}
+
+/// Starts the verification of the next candidate; false if there is none.
+///
+/// One at a time, because the copies of its landmarks delay the frame.
+bool LoopCloser::verifyNext(const SparseMap& map) {
+  while (!search_->candidates.empty()) {
+    const KeyframeId old = search_->candidates.front();
+    search_->candidates.erase(search_->candidates.begin());
+    if (map.keyframes().count(old) == 0) continue;
+    search_->candidate = candidateOf(search_->newest, old, map);
+    search_->landmarks = map.landmarksOnly(search_->candidate.among);
+    search_->start(Search::Step::kVerify, [this, search = search_.get()] {
+      search->loop = verify(search->frame, search->points, search->candidate, search->landmarks);
+    });
+    return true;
+  }
+  return false;
+}
+
+/// The map must not be adjusted until the correction is applied.
+void LoopCloser::startCorrection(const SparseMap& map) {
+  adjuster_.abandon();
+  adjuster_.hold(true);
+  search_->keyframes = keyframesOfLoop(search_->newest, search_->candidate.attempt.candidate, map);
+  search_->start(Search::Step::kCorrect, [search = search_.get(), stop = params_.stop] {
+    search->corrected = posesWithLoops(search->keyframes, {*search->loop}, stop);
+  });
+}
+
+/// Applies the corrected poses; the adjustment follows with the next frame. Keyframes added
+/// meanwhile move with the newest one that took part.
+///
+/// @return  the motion of the newest keyframe
+Pose LoopCloser::correct(SparseMap& map) {
+  std::map<KeyframeId, Pose> poses;
+  Pose correction = Pose::Identity();
+  const int newest = map.submapOf(search_->newest);
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const auto corrected = search_->corrected.find(id);
+    if (corrected != search_->corrected.end()) {
+      poses[id] = corrected->second;
+      correction =
+          normalized(Pose(corrected->second * keyframe.T_map_cam.inverse(Eigen::Isometry)));
+    } else if (keyframe.submap == newest) {
+      poses[id] = normalized(Pose(correction * keyframe.T_map_cam));
+    }
+  }
+  applyCorrection(poses, map);
+  const auto old = map.keyframes().find(search_->loop->old);
+  if (old != map.keyframes().end()) map.joinSubmaps(newest, old->second.submap);
+  return correction;
 }
 
 }  // namespace headway::slam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Loop closing: search for places seen before, verification, and correction of the map.
 #pragma once
 
 #include <headway/core/stereo_camera.h>
@@ -6,18 +7,64 @@
 #include <headway/slam/slam_params.h>
 #include <headway/slam/stereo_slam.h>
 
+#include <cstddef>
+#include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <vector>
 
-#include "bundle_adjuster.h"
-#include "descriptor.h"
+#include "bundle_adjustment.h"
 #include "frame_tracker.h"
-#include "loop_correction.h"
-#include "place_index.h"
+#include "keypoints.h"
+#include "landmark_tracker.h"
+#include "place_recognition.h"
+#include "pose_graph.h"
 #include "sparse_map.h"
 
 namespace headway::slam {
+
+/// Disjoint sets of the numbers 0 to size - 1.
+///
+/// @see Tarjan 1975, "Efficiency of a good but not linear set union algorithm"
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t size) : parent_(size) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  /// A number that all members of one set have in common.
+  [[nodiscard]] std::size_t of(std::size_t at) {
+    while (parent_[at] != at) at = parent_[at] = parent_[parent_[at]];
+    return at;
+  }
+  void join(std::size_t a, std::size_t b) { parent_[of(b)] = of(a); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+/// A verified loop: the newest keyframe as an old one's surroundings see it.
+struct ClosedLoop {
+  KeyframeId newest;
+  KeyframeId old;
+  Pose T_old_newest = Pose::Identity();  ///< cameras
+  std::vector<TrackedLandmark>
+      landmarks;  ///< of the old one's surroundings, as the newest sees them
+};
+
+/// Edges of the map as it is: from each keyframe to the one before (where both share nothing
+/// because the camera was lost between them, with the uncertainty of wheel odometry, or a weak one)
+/// and to those that share many landmarks.
+[[nodiscard]] std::vector<PoseGraphEdge> edgesOf(const std::map<KeyframeId, Keyframe>& keyframes);
+
+/// Poses of all keyframes after loops were distributed over the pose graph; the loops' landmarks
+/// are not used.
+[[nodiscard]] std::map<KeyframeId, Pose> posesWithLoops(
+    const std::map<KeyframeId, Keyframe>& keyframes, const std::vector<ClosedLoop>& loops,
+    const StopCondition& stop = neverStop);
+
+/// Replaces poses of keyframes and moves the landmarks of which they are the reference.
+void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map);
 
 /// An old keyframe that may show the same place as the newest one, with what it is verified by.
 struct LoopCandidate {

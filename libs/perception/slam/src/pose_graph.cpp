@@ -1,16 +1,62 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pose graph optimisation: keyframes that agree best with measured relative poses.
 #include "pose_graph.h"
 
 #include <ceres/ceres.h>
-#include <headway/stereo/pose_tangent.h>
-
-#include "pose_block.h"
+#include <ceres/manifold.h>
+#include <headway/core/pose.h>
+#include <headway/stereo/stereo_residual.h>
 
 namespace headway::slam {
+
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
+using stereo::Tangent;
+
+/// A pose as Ceres holds it: quaternion (x, y, z, w), then translation.
+using PoseBlock = Eigen::Matrix<double, 7, 1>;
+
+PoseBlock blockFrom(const Pose& pose) {
+  PoseBlock block;
+  block << Eigen::Quaterniond(pose.linear()).coeffs(), pose.translation();
+  return block;
+}
+
+Pose poseFrom(const double* block) {
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::Map<const Eigen::Quaterniond>(block).normalized().toRotationMatrix();
+  pose.translation() = Eigen::Map<const Eigen::Vector3d>(block + 4);
+  return pose;
+}
+
+/// Poses move by T * exp(xi), xi = (translation, rotation).
+///
+/// Residuals give their derivatives by xi in the first six of the seven columns, so that the
+/// derivative of this manifold is a plain unit matrix. Ceres' ProductManifold of a quaternion and a
+/// vector would need derivatives by seven ambient coordinates and multiply each by a full Jacobian.
+class PoseManifold final : public ceres::Manifold {
+ public:
+  [[nodiscard]] int AmbientSize() const override { return 7; }
+  [[nodiscard]] int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
+    const Eigen::Map<const Tangent> xi(delta);
+    Eigen::Map<PoseBlock>{x_plus_delta} = blockFrom(stereo::retract(poseFrom(x), xi));
+    return true;
+  }
+  bool PlusJacobian(const double* /*x*/, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>>{jacobian}.setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    Eigen::Map<Tangent>{y_minus_x} = stereo::localCoordinates(poseFrom(x), poseFrom(y), nullptr);
+    return true;
+  }
+  bool MinusJacobian(const double* /*x*/, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>>{jacobian}.setIdentity();
+    return true;
+  }
+};
 
 class Edge final : public ceres::SizedCostFunction<6, 7, 7> {
  public:
@@ -18,7 +64,7 @@ class Edge final : public ceres::SizedCostFunction<6, 7, 7> {
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
     Matrix6 by[2];
-    Eigen::Map<Vector6> residual(residuals);
+    Eigen::Map<Tangent> residual(residuals);
     residual =
         edgeResidual(edge_, poseFrom(parameters[0]), poseFrom(parameters[1]), &by[0], &by[1]);
     for (int i = 0; jacobians != nullptr && i < 2; ++i) {
@@ -48,11 +94,11 @@ class EndWhenStopped : public ceres::IterationCallback {
 
 }  // namespace
 
-Vector6 edgeResidual(const PoseGraphEdge& edge, const Pose& T_map_a, const Pose& T_map_b,
+Tangent edgeResidual(const PoseGraphEdge& edge, const Pose& T_map_a, const Pose& T_map_b,
                      Matrix6* by_a, Matrix6* by_b) {
   const Pose T_a_b = T_map_a.inverse(Eigen::Isometry) * T_map_b;
   const Eigen::Vector3d phi = logSo3(edge.T_a_b.linear().transpose() * T_a_b.linear());
-  Vector6 residual;
+  Tangent residual;
   residual << (T_a_b.translation() - edge.T_a_b.translation()) / edge.sigma_m, phi / edge.sigma_rad;
   const Eigen::Matrix3d turn = stereo::inverseRightJacobian(phi) / edge.sigma_rad;
   if (by_a != nullptr) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pose graph optimisation: keyframes that agree best with measured relative poses.
 #pragma once
 
 #include <headway/core/ids.h>

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Stereo visual SLAM: localises each frame in the map that it builds.
 #include <headway/core/error.h>
 #include <headway/core/stage_times.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/joint_map.h>
 #include <headway/slam/stereo_slam.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 
 #include <map>
 #include <memory>
@@ -13,26 +14,19 @@
 #include <utility>
 #include <vector>
 
-#include "active_submap.h"
 #include "anchored_trajectory.h"
-#include "bundle_adjuster.h"
+#include "bundle_adjustment.h"
 #include "frame_tracker.h"
 #include "inertial_alignment.h"
 #include "joint_sparse_map.h"
-#include "keyframe_odometry.h"
+#include "landmark_tracker.h"
 #include "local_mapper.h"
 #include "loop_closer.h"
-#include "loop_correction.h"
-#include "make_map_view.h"
 #include "map_archive.h"
-#include "map_culling.h"
 #include "motion_model.h"
-#include "odometry_check.h"
-#include "pose_covariance.h"
-#include "reference_choice.h"
-#include "right_camera.h"
-#include "tracking_frame.h"
+#include "sparse_map.h"
 #include "visual_odometry.h"
+#include "wheel_odometry.h"
 
 namespace headway::slam {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Frame-to-frame visual odometry without a map, which moves the odometry frame.
 #include "visual_odometry.h"
 
 #include <headway/core/statistics.h>
-#include <headway/stereo/point_tracking.h>
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,15 +28,13 @@ constexpr double kAgreement_px = 2.0;      ///< of where both motions see the co
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
 /// The tracked motion is right to a pixel; what differs by more moves on its own.
 constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
-constexpr stereo::PointTrackingOptions kNearby{15, 1, 25.0, 0.0, 0.6};
-constexpr stereo::PointTrackingOptions kFarther{15, 3, 25.0, 0.0, 0.6};
 
 }  // namespace
 
 VisualOdometry::VisualOdometry(const StereoCamera& camera, const SlamParams& params)
     : camera_(camera),
       params_(params),
-      matcher_(static_cast<int>(params.max_disparity_ratio * camera.width), params.min_zncc),
+      matcher_(matcherFor(camera, params)),
       grid_(camera.width, camera.height, kCorners) {}
 
 std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Pose& predicted) {
@@ -90,11 +88,10 @@ VisualOdometry::Followed VisualOdometry::follow(const TrackingFrame& frame,
     corners.push_back(corner);
     expected_px.push_back(uvd->z() + offset_px_);
   }
-  auto found = stereo::trackPoints(left_, frame.left, before, predicted, kNearby);
-  stereo::trackMissing(left_, frame.left, before, predicted, kFarther, found);
+  const auto found = followPoints(left_, frame, before, predicted);
   Followed followed;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!found[i] || isExcluded(frame.excluded, *found[i])) continue;
+    if (!found[i]) continue;
     const auto disparity = matcher_.refine(frame.left, frame.right, *found[i], expected_px[i], 0);
     const stereo::StereoMeasurement measured{*found[i], disparity.value_or(0.0) - offset_px_,
                                              disparity.has_value(), params_.sigma_px,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Frame-to-frame visual odometry without a map, which moves the odometry frame.
 #pragma once
 
 #include <headway/core/stereo_camera.h>
@@ -9,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "tracking_frame.h"
+#include "landmark_tracker.h"
 
 namespace headway::slam {
 

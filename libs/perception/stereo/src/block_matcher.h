@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// OpenCV's block matcher as the dense disparities and those of the ground use it.
 #pragma once
 
 #include <opencv2/calib3d.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Dense disparities of a stereo pair or of a depth camera.
 #include <headway/stereo/disparity.h>
-#include <headway/stereo/reduced_image.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <algorithm>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <headway/stereo/contrast.h>
+// What SLAM and the detectors compute of a frame, each value once and when it is first used.
+#include <headway/stereo/disparity.h>
 #include <headway/stereo/frame_context.h>
-#include <headway/stereo/ground_disparity.h>
-#include <headway/stereo/reduced_image.h>
+#include <headway/stereo/ground_plane.h>
+#include <headway/stereo/image_pyramid.h>
 
 #include <future>
 #include <opencv2/core.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Patches around points, aligned between images.
 #include <headway/stereo/patch.h>
 
 #include <Eigen/LU>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The pose that given landmarks and their measurements agree on.
 #include <headway/stereo/pose_refiner.h>
 
 #include <Eigen/Cholesky>

@@ -1,16 +1,47 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The pipeline of one frame: detectors, SLAM, objects, map; and maps of several runs, joined.
 #pragma once
 
 #include <headway/core/log.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
+#include <headway/core/track.h>
 #include <headway/map/map_file.h>
-#include <headway/pipeline/perception_host.h>
+#include <headway/map/perception_map.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/pipeline/perception_update.h>
+#include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
+
 namespace headway::pipeline {
+
+/// Calls to the host program, in the thread that calls Perception::process(), and before it
+/// returns. Each may be empty. They must not call the Perception; an exception ends process().
+struct PerceptionCallbacks {
+  /// After localisation, before objects are detected: pose and covariance of the frame at a time,
+  /// or that the camera is lost.
+  std::function<void(Time, const slam::SlamUpdate&)> on_pose;
+  /// After tracking: tracks of the frame with predictions.
+  std::function<void(Time, const std::vector<Track>&)> on_tracks;
+  /// After keyframes, landmarks, grid or dense points have changed: the map, which is cheap to
+  /// copy.
+  std::function<void(const map::PerceptionMap&)> on_map;
+};
+
+/// Parameters that may change at run time, between two frames. All others are fixed.
+struct RuntimeParams {
+  int detect_every_nth_frame = 1;   ///< detect.every_nth_frame, >= 1
+  int grid_every_nth_frame = 3;     ///< grid.every_nth_frame, >= 0; 0 pauses the grid
+  double recorded_timeout_s = 2.0;  ///< detect.recorded_timeout_s, > 0 [s]
+  /// Distance beyond which boxes are not tracked, but counted as "load_shed", > 0 [m].
+  double max_box_range_m = std::numeric_limits<double>::infinity();
+};
 
 struct JointMap;  // see joint_map.h
 
@@ -145,5 +176,24 @@ class Perception {
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// One map of runs that have seen the same places, or of a single run.
+struct JointMap {
+  std::vector<std::size_t> runs;  ///< indices, ascending; the map's frame is that of the first one
+  std::vector<Pose> T_map_run;    ///< of each: by which the beginning of its own map was moved
+  std::size_t links = 0;          ///< keyframes that were recognised in the map of another run
+  map::StoredMap stored;          ///< landmarks, keyframes and grid, for Perception::resume()
+};
+
+/// Joins the maps of finished runs (see slam::joinMaps()) and moves the map and the trajectory of
+/// each run into the joint one. The moving objects at the end of a run, whose positions rest on its
+/// own map, are removed from the map of each run that was joined with others.
+///
+/// Runs without images or with given poses have no landmarks, so that they stay alone.
+///
+/// @param runs  after finish(), with the same parameters and camera; none null
+/// @return      by ascending first run; each run is in one of them
+/// @throws InputError if the cameras differ
+[[nodiscard]] std::vector<JointMap> joinMaps(const std::vector<Perception*>& runs);
 
 }  // namespace headway::pipeline

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the whole pipeline.
 #pragma once
 
 #include <headway/core/params.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The result of one frame, and findings about the input.
 #pragma once
 
 #include <headway/objects/moving_object_tracker.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A run: frames from a source, through the pipeline, to sinks.
 #pragma once
 
 #include <headway/map/shared_map.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Where the frames of a run come from.
 #pragma once
 
 #include <headway/core/recorded_frame.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Maps of several runs, joined where they show the same places.
 #pragma once
 
 #include <headway/core/byte_archive.h>

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The static map and the trajectory as users see them, of a run or of a saved map.
 #pragma once
 
 #include <headway/core/ids.h>
 #include <headway/core/pose.h>
 #include <headway/core/shared_chunks.h>
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace headway::slam {
@@ -47,5 +50,14 @@ using FrameVisitor = std::function<void(const FrameEstimate&)>;
 
 /// Calls back for all frames of a run, in order.
 using TrajectoryVisit = std::function<void(const FrameVisitor&)>;
+
+/// Cuts a map of StereoSlam::save() to a box: what remains are the keyframes whose robot was in the
+/// box, and of the landmarks that they see those in the box. Ids do not change.
+///
+/// @param box          in the map frame [m]
+/// @param T_robot_cam  pose of the left camera on the robot
+/// @throws InputError if the bytes are cut off, damaged or of another version
+[[nodiscard]] std::string croppedMap(const std::string& saved, const Eigen::AlignedBox3d& box,
+                                     const Pose& T_robot_cam);
 
 }  // namespace headway::slam

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Stereo visual SLAM: localises each frame in the map that it builds.
 #pragma once
 
 #include <headway/core/byte_archive.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The offset of all disparities by a yaw of the right camera, where the poses are recorded.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What SLAM and the detectors compute of a frame, each value once and when it is first used.
 #pragma once
 
 #include <headway/core/stereo_frame.h>
@@ -6,8 +7,8 @@
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/ground_plane.h>
 #include <headway/stereo/image_pyramid.h>
-#include <headway/stereo/right_turn.h>
-#include <headway/stereo/second_view.h>
+#include <headway/stereo/rectification.h>
+#include <headway/stereo/stereo_match.h>
 
 #include <functional>
 #include <memory>

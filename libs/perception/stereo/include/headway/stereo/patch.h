@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Patches around points, aligned between images.
 #pragma once
 
 #include <Eigen/Core>

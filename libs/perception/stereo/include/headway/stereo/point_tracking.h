@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// KLT tracking of points from one image to another.
 #pragma once
 
 #include <headway/stereo/image_pyramid.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The pose that given landmarks and their measurements agree on.
 #pragma once
 
 #include <headway/core/pose.h>
 #include <headway/core/stereo_camera.h>
-#include <headway/stereo/pose_tangent.h>
 #include <headway/stereo/stereo_residual.h>
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The distances at which a rig detects things, derived from its calibration and mounting.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "place_index.h"
+// Place recognition: keyframes with similar descriptors, and the pose that their landmarks give.
+#include "place_recognition.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
+
+#include "rigid_motions.h"
 
 namespace headway::slam {
 namespace {
@@ -123,6 +126,38 @@ std::vector<PlaceMatch> PlaceIndex::query(const std::vector<Descriptor>& descrip
                    [](const PlaceMatch& a, const PlaceMatch& b) { return a.score > b.score; });
   if (static_cast<int>(matches.size()) > count) matches.resize(static_cast<std::size_t>(count));
   return matches;
+}
+
+Recognition relocalise(const std::vector<DescribedPoint>& points,
+                       const std::vector<LandmarkId>& among, const SparseMap& map,
+                       const StereoCamera& camera, int min_inliers) {
+  constexpr int kFewest = 6;    ///< that are called a consensus at all
+  constexpr int kTries = 1000;  ///< seen from elsewhere, few descriptors are matched rightly
+  std::vector<Descriptor> known;
+  std::vector<const Landmark*> landmarks;
+  for (const LandmarkId id : among) {
+    const Landmark* landmark = map.find(id);
+    if (landmark == nullptr || landmark->descriptor == Descriptor{}) continue;
+    known.push_back(landmark->descriptor);
+    landmarks.push_back(landmark);
+  }
+  std::vector<stereo::PoseConstraint> constraints;
+  for (const auto& [at, landmark] : matchDescriptors(descriptorsOf(points), known)) {
+    stereo::PoseConstraint constraint;
+    constraint.point_map = landmarks[static_cast<std::size_t>(landmark)]->position;
+    constraint.measurement.uv = points[static_cast<std::size_t>(at)].uv;
+    constraint.measurement.sigma_px = 2.0;
+    constraints.push_back(constraint);
+  }
+  Recognition recognition;
+  const auto initial = poseByConsensus(constraints, camera, kFewest, 3.0, kTries);
+  if (!initial) return recognition;
+  recognition.inliers = initial->inliers;
+  if (initial->inliers < min_inliers) return recognition;
+  const auto refined = stereo::refinePose(initial->T_map_cam, constraints, camera, {2.0, 2, 6});
+  recognition.inliers = refined ? refined->inliers : 0;
+  if (refined && refined->inliers >= min_inliers) recognition.T_map_cam = refined->T_map_cam;
+  return recognition;
 }
 
 }  // namespace headway::slam
