@@ -20,14 +20,31 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr int kRowStep = 16;           ///< distance of the compared rows [px]
-constexpr double kDarkGrey = 16.0;     ///< mean grey level below which an image is dark
-constexpr double kBrightGrey = 240.0;  ///< above which it is overexposed
-constexpr double kMinContrast = 2.0;   ///< below, images without structure are alike in any case
+/// Limits of an image that can be used.
+struct ImageLimits {
+  int row_step = 16;           ///< distance of the compared rows [px]
+  double dark_grey = 16.0;     ///< mean grey level below which an image is dark
+  double bright_grey = 240.0;  ///< above which it is overexposed
+  double min_contrast = 2.0;   ///< standard deviation; below, images are alike in any case
+};
+
+/// Limits of an image in which the camera was lost, by reason.
+struct LossLimits {
+  double dark_grey = 20.0;     ///< mean grey level
+  double even_contrast = 6.0;  ///< standard deviation of the grey levels
+  double blurred_ratio = 0.5;  ///< of the usual sharpness
+  double unsharp = 0.06;       ///< sharpness, where no usual one is known
+  std::size_t few_corners = 150;
+  int corner_threshold = 12;  ///< of FAST [grey levels], as SLAM searches poor images
+};
+
+constexpr ImageLimits kImage;
+constexpr LossLimits kLoss;
+constexpr double kSharpnessWeight = 0.1;  ///< of a new measurement in the usual sharpness
 
 bool isSame(const cv::Mat& a, const cv::Mat& b) {
   if (a.empty() || a.size() != b.size() || a.data == b.data) return false;
-  for (int row = 0; row < a.rows; row += kRowStep) {
+  for (int row = 0; row < a.rows; row += kImage.row_step) {
     if (std::memcmp(a.ptr(row), b.ptr(row), static_cast<std::size_t>(a.cols)) != 0) return false;
   }
   return true;
@@ -41,8 +58,8 @@ struct Light {
 Light lightOf(const cv::Mat& image) {
   cv::Mat mean, deviation;
   Light light;
-  const int rows = (image.rows + kRowStep - 1) / kRowStep;
-  for (int row = 0; row < image.rows; row += kRowStep) {
+  const int rows = (image.rows + kImage.row_step - 1) / kImage.row_step;
+  for (int row = 0; row < image.rows; row += kImage.row_step) {
     cv::meanStdDev(image.row(row), mean, deviation);
     light.grey += mean.at<double>(0) / rows;
     light.contrast = std::max(light.contrast, deviation.at<double>(0));
@@ -57,16 +74,16 @@ bool checkExposure(const StereoFrame& frame, Findings& findings) {
        {std::pair(&frame.left, "left"), std::pair(&frame.right, "right")}) {
     if (image->empty()) continue;  // of a depth camera
     const Light light = lightOf(*image);
-    if (light.contrast >= kMinContrast) continue;
+    if (light.contrast >= kImage.min_contrast) continue;
     has_structure = false;
-    if (light.grey < kDarkGrey) {
+    if (light.grey < kImage.dark_grey) {
       findings.push_back(
           {"camera_dark", frame.index,
            std::string("the ") + side +
                " image is dark and without structure; check lens cover, exposure and light"});
       break;  // counted once a frame
     }
-    if (light.grey > kBrightGrey) {
+    if (light.grey > kImage.bright_grey) {
       findings.push_back(
           {"camera_bright", frame.index,
            std::string("the ") + side +
@@ -77,14 +94,7 @@ bool checkExposure(const StereoFrame& frame, Findings& findings) {
   return has_structure;
 }
 
-constexpr double kMaxDarkGrey = 20.0;  // mean grey level of a frame that is lost for it
-constexpr double kEvenContrast = 6.0;  // standard deviation of the grey levels
-constexpr double kBlurredRatio = 0.5;  // of the usual sharpness
-constexpr double kUnsharp = 0.06;      // without a usual sharpness
-constexpr std::size_t kFewCorners = 150;
-constexpr int kCornerThreshold = 12;      // of FAST, grey levels
-constexpr int kMeasuredEvery = 10;        // tracked frames
-constexpr double kSharpnessWeight = 0.1;  // of a new measurement
+constexpr int kMeasuredEvery = 10;  // tracked frames
 
 /// Contrast between neighbours in relation to that of the whole image: falls with blur, and hardly
 /// depends on light.
@@ -101,7 +111,7 @@ double sharpnessOf(const cv::Mat& image) {
 
 std::size_t cornersOf(const cv::Mat& image) {
   std::vector<cv::KeyPoint> corners;
-  cv::FAST(image, corners, kCornerThreshold);
+  cv::FAST(image, corners, kLoss.corner_threshold);
   return corners.size();
 }
 
@@ -120,22 +130,22 @@ Finding CameraCheck::lossOf(const StereoFrame& frame) const {
   };
   cv::Scalar mean, deviation;
   cv::meanStdDev(frame.left, mean, deviation);
-  if (mean[0] < kMaxDarkGrey) {
+  if (mean[0] < kLoss.dark_grey) {
     return lost("too_dark",
                 "the image is too dark; lengthen the exposure or add light; slam.use_odometry and "
                 "slam.use_imu bridge dark places");
   }
-  if (deviation[0] < kEvenContrast) {
+  if (deviation[0] < kLoss.even_contrast) {
     return lost("covered",
                 "the image is an even grey, as of a covered lens or a wall before it; check the "
                 "lens; slam.use_odometry and slam.use_imu bridge short times");
   }
-  if (sharpnessOf(frame.left) < (sharpness_ ? kBlurredRatio * *sharpness_ : kUnsharp)) {
+  if (sharpnessOf(frame.left) < (sharpness_ ? kLoss.blurred_ratio * *sharpness_ : kLoss.unsharp)) {
     return lost("blurred",
                 "the image is blurred; shorten the exposure or turn more slowly, and check the "
                 "focus; slam.use_imu predicts turns");
   }
-  if (cornersOf(frame.left) < kFewCorners) {
+  if (cornersOf(frame.left) < kLoss.few_corners) {
     return lost("few_features",
                 "the image shows too few features, as of bare walls; more slam.features and wheel "
                 "odometry (slam.use_odometry) help");
@@ -162,17 +172,18 @@ Findings CameraCheck::add(const StereoFrame& frame) {
 
 namespace {
 
-constexpr int kMaxImages = 8;              // without ground, after which the check ends
-constexpr int kMinWithoutTurn = 3;         // of them that show the error
-constexpr int kMinUpsideDown = 7;          // more, because a ceiling may look like ground
-constexpr double kMinTurnRad = 0.01;       // between two frames; less is noise and bias
-constexpr double kMinTurnsRad = 0.5;       // sum of the compared turns
-constexpr double kContrary = 0.6;          // difference to turn where the axes are wrong
-constexpr double kEqual = 0.25;            // where they are right
-constexpr double kVertical = 0.7;          // component of the optical axis along the robot's z
-constexpr double kUprightComponent = 0.7;  // of "up" along the image's columns
-constexpr double kMaxHeightError = 0.35;   // of the camera's height, relative
-constexpr double kDegrees = 180.0 / M_PI;
+struct MountLimits {
+  int max_images = 8;              ///< without ground, after which the check ends
+  int min_without_turn = 3;        ///< of them that show the error
+  int min_upside_down = 7;         ///< more, because a ceiling may look like ground
+  double min_turn_rad = 0.01;      ///< between two frames; less is noise and bias
+  double min_turns_rad = 0.5;      ///< sum of the compared rotations
+  double contrary = 0.6;           ///< difference to rotation where the axes are wrong
+  double equal = 0.25;             ///< where they are right
+  double vertical = 0.7;           ///< component of the optical axis along the robot's z: 45 deg
+  double max_height_error = 0.35;  ///< of the camera's height, relative
+};
+constexpr MountLimits kMount;
 
 /// A pose as MRPT writes it: x y z [m], yaw pitch roll [deg].
 std::string poseText(const Pose& pose) {
@@ -182,8 +193,8 @@ std::string poseText(const Pose& pose) {
   const double roll = std::atan2(R(2, 1), R(2, 2));
   std::string text = "[";
   for (int i = 0; i < 3; ++i) text += formatted("%.3f ", pose.translation()[i]);
-  text += formatted("%.1f ", yaw * kDegrees) + formatted("%.1f ", pitch * kDegrees);
-  return text + formatted("%.1f]", roll * kDegrees) + " (x y z [m] yaw pitch roll [deg])";
+  return text + formatted("%.1f %.1f %.1f] (x y z [m] yaw pitch roll [deg])", yaw / kDegree,
+                          pitch / kDegree, roll / kDegree);
 }
 
 Pose turned(const Pose& T_robot_cam, const Eigen::Matrix3d& R_cam_other) {
@@ -211,7 +222,7 @@ stereo::DisparityImage flipped(const stereo::DisparityImage& disparity, StereoCa
 bool MountCheck::isAtMountedHeight(const stereo::GroundPlane& ground) const {
   const auto rig = stereo::rigCapability(camera_);
   return !rig.camera_height_known || std::abs(ground.camera_height - rig.camera_height_m) <
-                                         kMaxHeightError * rig.camera_height_m;
+                                         kMount.max_height_error * rig.camera_height_m;
 }
 
 bool MountCheck::showsGround(const stereo::DisparityImage& disparity,
@@ -227,10 +238,10 @@ std::optional<Finding> MountCheck::addImage(const stereo::FrameContext& context)
     return std::nullopt;
   }
   ++images_;
-  const bool is_vertical = std::abs(camera_.T_robot_cam.linear()(2, 2)) > kVertical;
+  const bool is_vertical = std::abs(camera_.T_robot_cam.linear()(2, 2)) > kMount.vertical;
   const auto text =
       is_vertical ? testOpticalTurn(context.disparity()) : testUpsideDown(context.disparity());
-  decided_ = decided_ || images_ == kMaxImages;
+  decided_ = decided_ || images_ == kMount.max_images;
   return decide(text, context.frame().index);
 }
 
@@ -244,7 +255,7 @@ std::string MountCheck::testOpticalTurn(const stereo::DisparityImage& disparity)
   StereoCamera with_turn = camera_;
   with_turn.T_robot_cam = turned(camera_.T_robot_cam, robotFromOptical().linear());
   if (showsGround(disparity, with_turn)) ++without_turn_;
-  if (without_turn_ < kMinWithoutTurn) return "";
+  if (without_turn_ < kMount.min_without_turn) return "";
   const bool up = camera_.T_robot_cam.linear()(2, 2) > 0.0;
   return textWithoutTurn(std::string("the camera looks straight ") + (up ? "up" : "down") +
                          ", but its images show the ground ahead");
@@ -260,17 +271,17 @@ std::string MountCheck::textWithoutTurn(const std::string& evidence) const {
 std::optional<Finding> MountCheck::addTurn(const Eigen::Matrix3d& by_camera,
                                            const Eigen::Matrix3d& by_gyroscope, std::size_t frame) {
   const Eigen::Vector3d measured = logSo3(by_gyroscope);
-  if (decided_by_turns_ || measured.norm() < kMinTurnRad) return std::nullopt;
+  if (decided_by_turns_ || measured.norm() < kMount.min_turn_rad) return std::nullopt;
   const Eigen::Matrix3d R = camera_.T_robot_cam.linear();
   const Eigen::Vector3d turn = logSo3(by_camera);
   turned_rad_ += measured.norm();
   difference_rad_ += (turn - measured).norm();
   difference_turned_rad_ +=
       (R * robotFromOptical().linear() * R.transpose() * turn - measured).norm();
-  if (turned_rad_ < kMinTurnsRad) return std::nullopt;
+  if (turned_rad_ < kMount.min_turns_rad) return std::nullopt;
   decided_by_turns_ = true;
-  const bool is_contrary = difference_rad_ > kContrary * turned_rad_;
-  if (!is_contrary || difference_turned_rad_ >= kEqual * turned_rad_) return std::nullopt;
+  const bool is_contrary = difference_rad_ > kMount.contrary * turned_rad_;
+  if (!is_contrary || difference_turned_rad_ >= kMount.equal * turned_rad_) return std::nullopt;
   return decide(textWithoutTurn("its turns contradict the gyroscope's (if it is right, correct the "
                                 "inertial sensor's sensorPose, or leave that out by "
                                 "slam.use_imu=false)"),
@@ -279,7 +290,7 @@ std::optional<Finding> MountCheck::addTurn(const Eigen::Matrix3d& by_camera,
 
 std::string MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) {
   const double up_y = stereo::mountedUp(camera_).y();
-  if (std::abs(up_y) < kUprightComponent) return "";
+  if (std::abs(up_y) < kMount.vertical) return "";
   const bool said_upright = up_y < 0.0;
   StereoCamera turned_camera = camera_;
   turned_camera.T_robot_cam = upsideDown(camera_.T_robot_cam);
@@ -292,7 +303,7 @@ std::string MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) 
   const bool contrary = said_upright ? showsGround(flipped_image, flipped_camera)
                                      : showsGround(disparity, turned_camera);
   if (contrary) ++upside_down_;
-  if (upside_down_ < kMinUpsideDown) return "";
+  if (upside_down_ < kMount.min_upside_down) return "";
   return std::string("camera pose: the images show the ground ") +
          (said_upright ? "above" : "below") +
          " the camera, but by cameraPose = " + poseText(camera_.T_robot_cam) + " it is " +
@@ -303,16 +314,20 @@ std::string MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) 
 
 namespace {
 
-constexpr double kPieceM = 2.0;
-constexpr double kStraight = 0.7;         // least length of a piece's chord to its path
-constexpr std::size_t kMinPieces = 5;     // that are compared
-constexpr std::size_t kMaxPieces = 200;   // that are remembered
-constexpr double kSaidDifference = 0.01;  // of the scales
-constexpr double kSure = 3.0;             // standard deviations
-constexpr double kDeviation = 1.4826;     // standard by median absolute deviation, of a Gaussian
-constexpr double kMedian = 1.2533;        // standard error of a median to that of a mean
-constexpr double kOtherUnit = 30.0;       // camera to odometry: the unit is wrong
-constexpr double kOtherScale = 3.0;       // and its inverse: said at once
+struct ScaleLimits {
+  double piece_m = 2.0;
+  double straight = 0.7;          ///< minimum ratio of a piece's chord to its path
+  std::size_t min_pieces = 5;     ///< that are compared
+  std::size_t max_pieces = 200;   ///< that are remembered
+  double said_difference = 0.01;  ///< of the scales
+  double significance = 3.0;      ///< standard deviations
+  double other_unit = 30.0;       ///< camera to odometry: the unit is wrong
+  double other_scale = 3.0;       ///< and its inverse: said at once
+};
+constexpr ScaleLimits kScale;
+/// Standard error of a median by the median absolute deviation of a Gaussian: 1.4826 of them are a
+/// standard deviation, and the standard error is sqrt(pi / 2) of a mean's.
+constexpr double kMedianError = 1.2533 * 1.4826;
 
 }  // namespace
 
@@ -325,17 +340,18 @@ Findings ScaleCheck::add(const std::optional<Pose>& by_camera,
   piece_.by_camera = piece_.by_camera * *by_camera;
   piece_.by_odometry = piece_.by_odometry * *by_odometry;
   piece_.path_m += by_odometry->translation().norm();
-  if (piece_.path_m < kPieceM) return {};
+  if (piece_.path_m < kScale.piece_m) return {};
   Findings findings;
   const double by_wheels = piece_.by_odometry.translation().norm();
-  if (by_wheels > kStraight * piece_.path_m) {
+  if (by_wheels > kScale.straight * piece_.path_m) {
     if (auto finding = checkUnit(frame)) findings.push_back(std::move(*finding));
     ratios_.push_back(piece_.by_camera.translation().norm() / by_wheels);
-    if (ratios_.size() > kMaxPieces) ratios_.pop_front();
+    if (ratios_.size() > kScale.max_pieces) ratios_.pop_front();
   }
   piece_ = {};
   const auto found = ratio();
-  if (!found || std::abs(found->value - 1.0) - kSure * found->sigma < kSaidDifference) {
+  if (!found ||
+      std::abs(found->value - 1.0) - kScale.significance * found->sigma < kScale.said_difference) {
     return findings;
   }
   findings.push_back(
@@ -355,7 +371,7 @@ std::optional<Finding> ScaleCheck::checkUnit(std::size_t frame) {
   const std::string compared =
       formatted("the camera moved %.3g m where odometry measured %.3g m: ", camera_m, odometry_m);
   const bool is_depth = camera_.isDepthCamera();
-  if (ratio > kOtherUnit) {
+  if (ratio > kScale.other_unit) {
     const std::string text =
         is_depth ? "depth camera: " + compared +
                        formatted(
@@ -369,7 +385,7 @@ std::optional<Finding> ScaleCheck::checkUnit(std::size_t frame) {
                            camera_.baseline_m, camera_.baseline_m / ratio);
     return Finding{"distance_unit", frame, text, Severity::kFatal};
   }
-  if (ratio <= kOtherScale && ratio >= 1.0 / kOtherScale) return std::nullopt;
+  if (ratio <= kScale.other_scale && ratio >= 1.0 / kScale.other_scale) return std::nullopt;
   const std::string cause = is_depth ? "check the depths' unit"
                                      : formatted("check the baseline (%.6g m)", camera_.baseline_m);
   return Finding{"odometry_scale", frame,
@@ -377,13 +393,12 @@ std::optional<Finding> ScaleCheck::checkUnit(std::size_t frame) {
 }
 
 std::optional<ScaleCheck::Ratio> ScaleCheck::ratio() const {
-  if (ratios_.size() < kMinPieces) return std::nullopt;
+  if (ratios_.size() < kScale.min_pieces) return std::nullopt;
   Ratio result;
   result.value = median({ratios_.begin(), ratios_.end()});
   std::vector<double> deviations;
   for (const double one : ratios_) deviations.push_back(std::abs(one - result.value));
-  result.sigma =
-      kMedian * kDeviation * median(deviations) / std::sqrt(static_cast<double>(ratios_.size()));
+  result.sigma = kMedianError * median(deviations) / std::sqrt(static_cast<double>(ratios_.size()));
   return result;
 }
 

@@ -2,6 +2,8 @@
 // Ends of laser beams as obstacles of a ground scan.
 #include "laser_evidence.h"
 
+#include <headway/stereo/ground_plane.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +13,12 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr double kGroundRatio = 0.5;        // of the minimum height: lower ends are ground
-constexpr double kLevelM = 0.1;             // change of height along a level beam
-constexpr double kMinSigmaM = 0.02;         // of an end, with the error of the robot's motion
-constexpr double kSigmas = 3.0;             // before an end, the beam has passed nothing
-constexpr double kTrackMarginM = 0.25;      // around the box of a moving track
-constexpr double kTrackSigmas = 2.0;        // of its position
-constexpr double kPassedStep = M_PI / 180;  // of the beams stored as passed
-constexpr std::size_t kDirections = 720;    // in which free ground is limited
+constexpr double kLevelM = 0.1;           // change of height along a level beam
+constexpr double kMinSigmaM = 0.02;       // of an end, with the error of the robot's motion
+constexpr double kSigmas = 3.0;           // before an end, the beam has passed nothing
+constexpr double kTrackMarginM = 0.25;    // around the box of a moving track
+constexpr double kTrackSigmas = 2.0;      // of its position
+constexpr std::size_t kDirections = 720;  // in which free ground is limited
 
 /// The robot at the time of a scan in its frame at the time of the image, with constant velocity.
 Pose motionTo(Time time, const LaserScene& scene) {
@@ -102,24 +102,14 @@ class BeamSorter {
 
   /// Name under which they are counted.
   static const char* toString(EndKind kind) {
-    switch (kind) {
-      case EndKind::kOnMovingObject:
-        return "on_moving_objects";
-      case EndKind::kOnGround:
-        return "on_ground";
-      case EndKind::kAboveRobot:
-        return "above_robot";
-      case EndKind::kOnRobot:
-        return "on_robot";
-      case EndKind::kObstacle:
-        break;
-    }
-    return "obstacles";
+    constexpr const char* kNames[] = {"obstacles", "on_moving_objects", "on_ground", "above_robot",
+                                      "on_robot"};
+    return kNames[static_cast<std::size_t>(kind)];
   }
 
   [[nodiscard]] EndKind kindOf(const Eigen::Vector3d& place, const MovingBoxes& moving) const {
     const double height = scene_.ground.heightOf(place);
-    if (height < kGroundRatio * scene_.min_obstacle_height_m) return EndKind::kOnGround;
+    if (height < stereo::kGroundRatio * scene_.min_obstacle_height_m) return EndKind::kOnGround;
     if (height > scene_.max_obstacle_height_m) return EndKind::kAboveRobot;
     const auto& footprint = scene_.footprint;
     if (std::abs(place.x()) < 0.5 * footprint.length_m &&
@@ -130,15 +120,15 @@ class BeamSorter {
     return on_moving ? EndKind::kOnMovingObject : EndKind::kObstacle;
   }
 
-  /// Stores the shortest beam of each direction if it is level and where obstacles stand.
+  /// Stores the shortest beam of each degree if it is level and where obstacles stand.
   void pass(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double range) {
     const double height = scene_.ground.heightOf(from);
     const double end = scene_.ground.heightOf(to);
-    const double lowest = kGroundRatio * scene_.min_obstacle_height_m;
+    const double lowest = stereo::kGroundRatio * scene_.min_obstacle_height_m;
     if (std::abs(end - height) > kLevelM || std::min(height, end) < lowest) return;
     if (std::max(height, end) > scene_.max_obstacle_height_m) return;
-    const int direction = static_cast<int>(
-        std::floor(std::atan2(to.y() - from.y(), to.x() - from.x()) / kPassedStep));
+    const int direction =
+        static_cast<int>(std::floor(std::atan2(to.y() - from.y(), to.x() - from.x()) / kDegree));
     const auto [beam, is_new] = passed_.try_emplace(direction, range, to);
     if (!is_new && range < beam->second.first) beam->second = {range, to};
   }

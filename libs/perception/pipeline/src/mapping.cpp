@@ -83,11 +83,6 @@ double milliseconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-template <typename Result>
-bool isReady(const std::future<Result>& result) {
-  return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
-
 }  // namespace
 
 map::DenseMap DenseMapper::emptyMap() const { return map::DenseMap(forRig(params_, rig_)); }

@@ -255,19 +255,7 @@ void Perception::Implementation::requireUsable(const RecordedFrame& frame) const
                      " brings a pose of its own, which is not in the frame of the map taken up; "
                      "use a rawlog without label 'pose'");
   }
-  if (!frame.stereo || camera == nullptr) return;
-  const StereoFrame& images = *frame.stereo;
-  const bool is_depth = !images.disparity.empty();
-  for (const cv::Mat* image : {&images.left, is_depth ? &images.disparity : &images.right}) {
-    const int type = image == &images.disparity ? CV_32FC1 : CV_8UC1;
-    if (image->type() == type && image->cols == camera->width && image->rows == camera->height) {
-      continue;
-    }
-    throw InputError(
-        formatted("stereo frame %zu: an image is %dx%d, must be 8-bit grey and %dx%d "
-                  "as calibrated",
-                  frame.index, image->cols, image->rows, camera->width, camera->height));
-  }
+  if (frame.stereo && camera != nullptr) stereo::requireImages(*frame.stereo, *camera);
 }
 
 FrameState Perception::Implementation::begin(const RecordedFrame& frame) {
@@ -298,7 +286,7 @@ std::optional<stereo::FrameContext> Perception::Implementation::rectify(const Fr
   const Eigen::Vector3d before = localisation.rightTurn();
   auto context = localisation.contextOf(state, health.rightCamera());
   if (localisation.rightTurn() != before) {
-    const Eigen::Vector3d degrees = localisation.rightTurn() * 180.0 / M_PI;
+    const Eigen::Vector3d degrees = localisation.rightTurn() / kDegree;
     write(LogLevel::kInfo, state,
           formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
                     degrees.x(), degrees.y(), degrees.z()));

@@ -16,34 +16,44 @@ namespace headway::pipeline {
 namespace {
 
 constexpr double kIntervalS = 0.4;
-constexpr int kFirstFrames = 5;              // all of them are compared, and may refuse the camera,
-constexpr int kMinRefusing = 3;              // so many at least
-constexpr int kMaxWhole = 480;               // width of images that are not reduced to a half [px]
-constexpr double kMarginOfMap = 3.0;         // sigmas: a map is changed by what is sure alone
-constexpr double kIndependentOffset = 0.25;  // ratio of information: the same points recur
-// Of the reduced images:
-constexpr int kMaxCorners = 80;
-constexpr int kMaxManyCorners = 400;  // where few match, and of the first frames
-constexpr double kMinSpacing = 8.0;   // of corners [px]
-constexpr double kMaxSpacing = 20.0;
-constexpr int kRadius = 5;                   // of patches [px]
-constexpr int kMinRows = 6;                  // searched above and below [px]
-constexpr double kSearchedTurn = 0.023;      // and so many by the camera's turn [rad]: 1.3 deg
-constexpr double kWidelySearched = 0.045;    // where few match [rad]: 2.6 deg
-constexpr int kNegative = 16;                // searched disparities below 0 [px]
-constexpr double kMaxDisparityRatio = 0.15;  // of the width
-constexpr double kMinCorrelation = 0.9;
-constexpr double kMinMargin = 0.05;  // of the correlation to the next best place
-// Of the images as they are:
+constexpr int kFirstFrames = 5;       ///< all of them are compared, and may refuse the camera,
+constexpr int kMinRefusing = 3;       ///< so many at least
+constexpr double kMarginOfMap = 3.0;  ///< sigmas: a map is changed by what is sure alone
+constexpr double kIndependentOffset = 0.25;  ///< ratio of information: the same points recur
+
+/// The search for corners of the left image in the right one, in reduced images.
+struct CornerSearch {
+  int max_width = 480;  ///< of images that are not reduced to a half [px]
+  int corners = 80;
+  int many_corners = 400;    ///< where few match, and of the first frames
+  double places = 3.0;       ///< for each corner
+  double min_spacing = 8.0;  ///< of corners [px]
+  double max_spacing = 20.0;
+  int radius = 5;                ///< of patches [px]
+  int min_rows = 6;              ///< searched above and below [px]
+  double turn_rad = 0.023;       ///< and so many by the camera's rotation: 1.3 deg
+  double wide_turn_rad = 0.045;  ///< where few match: 2.6 deg
+  int negative_px = 16;          ///< searched disparities below 0
+  double max_disparity = 0.15;   ///< ratio of the width
+  double min_correlation = 0.9;
+  double min_margin = 0.05;  ///< of the correlation to the next best place
+};
+
+/// What is wrong with a pair, by its matches in the images as they are.
+struct PairLimits {
+  double max_refined_px = 2.0;  ///< change of a match by refinement
+  std::size_t min_matches = 20;
+  double max_offset_px = 1.5;    ///< median difference of rows
+  double max_scatter_px = 0.9;   ///< median deviation from it
+  double swapped_px = -2.0;      ///< median disparity
+  std::size_t min_swapped = 12;  ///< matches, of which
+  double swapped_ratio = 0.8;    ///< so many have no point before the cameras
+  double min_agreement = 0.7;    ///< ratio of points that agree on an offset
+};
+
+constexpr CornerSearch kSearch;
+constexpr PairLimits kLimits;
 constexpr stereo::PointTrackingOptions kRefinement{11, 0, 18.0, 0.0};
-constexpr double kMaxRefined = 2.0;  // change of a match [px]
-constexpr std::size_t kMinMatches = 20;
-constexpr double kMaxOffset = 1.5;       // median difference of rows [px]
-constexpr double kMaxScatter = 0.9;      // median deviation from it [px]
-constexpr double kSwappedPx = -2.0;      // median disparity [px]
-constexpr std::size_t kMinSwapped = 12;  // matches, of which
-constexpr double kSwappedRatio = 0.8;    // so many have no point before the cameras
-constexpr double kMinAgreement = 0.7;    // ratio of points that agree on an offset
 
 /// Offset of the vertex of a parabola through three samples from the middle one.
 double vertex(float before, float middle, float after) {
@@ -55,17 +65,17 @@ double vertex(float before, float middle, float after) {
 struct ReducedPair {
   cv::Mat left, right;
   int reduction = 1;
-  int rows = kMinRows;  ///< searched above and below [px]
+  int rows = kSearch.min_rows;  ///< searched above and below [px]
 
   /// @param searched_turn  of the right camera [rad]
   ReducedPair(const StereoFrame& frame, double searched_turn) {
-    reduction = frame.left.cols > kMaxWhole ? 2 : 1;
+    reduction = frame.left.cols > kSearch.max_width ? 2 : 1;
     const double scale = 1.0 / reduction;
     cv::resize(frame.left, left, {}, scale, scale, cv::INTER_AREA);
     cv::resize(frame.right, right, {}, scale, scale, cv::INTER_AREA);
     if (frame.camera == nullptr) return;
     const double by_turn = std::ceil(searched_turn * frame.camera->fy * scale);
-    rows = std::max(kMinRows, static_cast<int>(by_turn) + 1);
+    rows = std::max(kSearch.min_rows, static_cast<int>(by_turn) + 1);
   }
 };
 
@@ -87,11 +97,11 @@ namespace {
 /// nullopt if there is none.
 std::optional<Eigen::Vector2d> match(const ReducedPair& pair, const cv::Point& corner) {
   const auto& [left, right, reduction, rows] = pair;
-  const int max_disparity = static_cast<int>(kMaxDisparityRatio * left.cols);
-  const int side = 2 * kRadius + 1;
-  const cv::Rect patch(corner.x - kRadius, corner.y - kRadius, side, side);
-  const cv::Rect wanted(patch.x - max_disparity, patch.y - rows, side + max_disparity + kNegative,
-                        side + 2 * rows);
+  const int max_disparity = static_cast<int>(kSearch.max_disparity * left.cols);
+  const int side = 2 * kSearch.radius + 1;
+  const cv::Rect patch(corner.x - kSearch.radius, corner.y - kSearch.radius, side, side);
+  const cv::Rect wanted(patch.x - max_disparity, patch.y - rows,
+                        side + max_disparity + kSearch.negative_px, side + 2 * rows);
   const cv::Rect band = wanted & cv::Rect(0, 0, right.cols, right.rows);
   if (band.height < wanted.height || band.width < 4 * side) return std::nullopt;
   cv::Mat scores;
@@ -100,7 +110,7 @@ std::optional<Eigen::Vector2d> match(const ReducedPair& pair, const cv::Point& c
   cv::Point at;
   cv::minMaxLoc(scores, nullptr, &best, nullptr, &at);
   const bool is_inside = at.x > 0 && at.y > 0 && at.x + 1 < scores.cols && at.y + 1 < scores.rows;
-  if (best < kMinCorrelation || !is_inside) return std::nullopt;
+  if (best < kSearch.min_correlation || !is_inside) return std::nullopt;
   const auto score = [&](int du, int dv) { return scores.at<float>(at.y + dv, at.x + du); };
   const Eigen::Vector2d found(
       patch.x - (band.x + at.x + vertex(score(-1, 0), score(0, 0), score(1, 0))),
@@ -109,7 +119,7 @@ std::optional<Eigen::Vector2d> match(const ReducedPair& pair, const cv::Point& c
                 cv::FILLED);
   double next = 0.0;
   cv::minMaxLoc(scores, nullptr, &next);
-  if (best - next <= kMinMargin) return std::nullopt;
+  if (best - next <= kSearch.min_margin) return std::nullopt;
   return reduction * found;
 }
 
@@ -127,7 +137,7 @@ void StereoCheck::refine(const StereoFrame& frame, std::vector<Match>& matches) 
       stereo::trackPoints(stereo::buildPyramid(frame.left, 1, stereo::Gradients::kAll),
                           stereo::buildPyramid(frame.right, 1), left, right, kRefinement);
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    if (!found[i] || (*found[i] - right[i]).norm() > kMaxRefined) continue;
+    if (!found[i] || (*found[i] - right[i]).norm() > kLimits.max_refined_px) continue;
     matches[i].disparity = left[i].x() - found[i]->x();
     matches[i].row = {*found[i], found[i]->y() - left[i].y()};
   }
@@ -137,14 +147,13 @@ std::vector<StereoCheck::Match> StereoCheck::matchesOf(const StereoFrame& frame,
                                                        double searched_turn) {
   const ReducedPair pair(frame, searched_turn);
   std::vector<cv::Point2f> corners;
-  constexpr double kPlaces = 3.0;  // for each corner
   const double spacing =
-      std::sqrt(static_cast<double>(pair.left.total()) / (kPlaces * max_corners));
+      std::sqrt(static_cast<double>(pair.left.total()) / (kSearch.places * max_corners));
   cv::goodFeaturesToTrack(pair.left, corners, max_corners, 0.02,
-                          std::clamp(spacing, kMinSpacing, kMaxSpacing));
+                          std::clamp(spacing, kSearch.min_spacing, kSearch.max_spacing));
   std::vector<Match> matches;
-  const cv::Rect inside(kRadius, kRadius, pair.left.cols - 2 * kRadius,
-                        pair.left.rows - 2 * kRadius);
+  const cv::Rect inside(kSearch.radius, kSearch.radius, pair.left.cols - 2 * kSearch.radius,
+                        pair.left.rows - 2 * kSearch.radius);
   for (const cv::Point corner : corners) {
     const auto found = inside.contains(corner) ? match(pair, corner) : std::nullopt;
     if (!found) continue;
@@ -180,13 +189,13 @@ std::optional<Finding> turnFinding(const stereo::RectificationError& error,
 /// What is wrong with the pair, apart from turn_.
 StereoCheck::Condition StereoCheck::compare(const std::vector<Match>& matches,
                                             const StereoCamera* camera, double& rows_px) const {
-  const auto is_swapped = [](const Match& one) { return one.disparity < kSwappedPx; };
+  const auto is_swapped = [](const Match& one) { return one.disparity < kLimits.swapped_px; };
   const auto swapped = std::count_if(matches.begin(), matches.end(), is_swapped);
-  if (matches.size() >= kMinSwapped &&
-      static_cast<double>(swapped) > kSwappedRatio * static_cast<double>(matches.size())) {
+  if (matches.size() >= kLimits.min_swapped &&
+      static_cast<double>(swapped) > kLimits.swapped_ratio * static_cast<double>(matches.size())) {
     return Condition::kSwapped;
   }
-  if (matches.size() < kMinMatches) return Condition::kNone;
+  if (matches.size() < kLimits.min_matches) return Condition::kNone;
   std::vector<double> disparities, rows, deviations;
   for (const auto& one : matches) {
     disparities.push_back(one.disparity);
@@ -197,14 +206,15 @@ StereoCheck::Condition StereoCheck::compare(const std::vector<Match>& matches,
   const double offset = median(rows);
   for (const double row : rows) deviations.push_back(std::abs(row - offset));
   const double scatter = median(deviations);
-  if (median(disparities) < kSwappedPx) return Condition::kSwapped;
+  if (median(disparities) < kLimits.swapped_px) return Condition::kSwapped;
   rows_px = std::max(std::abs(offset), scatter);
-  if (scatter > kMaxScatter) return Condition::kScattered;
+  if (scatter > kLimits.max_scatter_px) return Condition::kScattered;
   const auto agrees = [&](double deviation) { return deviation < 0.5 * std::abs(offset); };
   const auto agreeing = std::count_if(deviations.begin(), deviations.end(), agrees);
   const bool is_common =
-      static_cast<double>(agreeing) > kMinAgreement * static_cast<double>(rows.size());
-  return std::abs(offset) > kMaxOffset && is_common ? Condition::kOffset : Condition::kNone;
+      static_cast<double>(agreeing) > kLimits.min_agreement * static_cast<double>(rows.size());
+  return std::abs(offset) > kLimits.max_offset_px && is_common ? Condition::kOffset
+                                                               : Condition::kNone;
 }
 
 std::optional<stereo::RectificationError> StereoCheck::rectification() const {
@@ -249,10 +259,12 @@ Findings StereoCheck::add(const StereoFrame& frame) {
   const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
   const bool is_first = estimator_ && estimated_ < kFirstFrames;
   if (!is_due && !is_first) return {};
-  auto matches = matchesOf(frame, is_first ? kMaxManyCorners : kMaxCorners, kSearchedTurn);
-  if (matches.size() < kMinMatches) matches = matchesOf(frame, kMaxManyCorners, kWidelySearched);
+  auto matches =
+      matchesOf(frame, is_first ? kSearch.many_corners : kSearch.corners, kSearch.turn_rad);
+  if (matches.size() < kLimits.min_matches)
+    matches = matchesOf(frame, kSearch.many_corners, kSearch.wide_turn_rad);
   Findings findings;
-  if (estimator_ && matches.size() >= kMinMatches) {
+  if (estimator_ && matches.size() >= kLimits.min_matches) {
     if (auto fatal = estimate(matches, frame)) findings.push_back(std::move(*fatal));
   }
   if (!is_due) return findings;
@@ -263,7 +275,8 @@ Findings StereoCheck::add(const StereoFrame& frame) {
   persists_ = condition_ != Condition::kNone && condition_ == before;
   if (persists_) {
     findings.push_back(findingOf(frame, rows_px));
-  } else if (frame.camera != nullptr && std::abs(turn_.x()) * frame.camera->fy > kMaxOffset) {
+  } else if (frame.camera != nullptr &&
+             std::abs(turn_.x()) * frame.camera->fy > kLimits.max_offset_px) {
     findings.push_back(offsetFinding(frame, std::abs(turn_.x()) * frame.camera->fy, "; corrected"));
   }
   return findings;

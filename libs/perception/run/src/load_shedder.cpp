@@ -11,10 +11,8 @@ namespace headway::run {
 namespace {
 
 constexpr double kGain = 0.25;       // of a frame in the smoothed load
-constexpr double kOverload = 1.0;    // processing over interval
 constexpr double kRoom = 0.75;       // below which a step may be taken back
 constexpr double kShedAfterS = 0.5;  // of overload
-constexpr double kMinCalmS = 3.0;
 constexpr double kMaxCalmS = 60.0;
 constexpr double kRelapseS = 10.0;  // overload so soon after a step back is its consequence
 constexpr int kScansOfAll = 4;      // one of so many remains with kMostScans
@@ -28,9 +26,9 @@ std::optional<std::string> LoadShedder::add(double now_s, double process_s, doub
   if (!std::isfinite(load)) return std::nullopt;
   load_ = load_ ? *load_ + kGain * (load - *load_) : load;
   const Level before = level_;
-  if (*load_ <= kOverload) over_since_.reset();
+  if (*load_ <= 1.0) over_since_.reset();
   if (*load_ >= kRoom) calm_since_.reset();
-  if (*load_ > kOverload && !over_since_) over_since_ = now_s;
+  if (*load_ > 1.0 && !over_since_) over_since_ = now_s;
   if (*load_ < kRoom && !calm_since_) calm_since_ = now_s;
   if (over_since_ && now_s - *over_since_ >= kShedAfterS) shed(now_s);
   if (calm_since_ && now_s - *calm_since_ >= calm_s_) recover(now_s);
@@ -53,7 +51,7 @@ void LoadShedder::shed(double now_s) {
 void LoadShedder::recover(double now_s) {
   calm_since_ = now_s;
   if (level_ == Level::kNothing) {
-    calm_s_ = kMinCalmS;
+    calm_s_ = kMinCalm_s;
     return;
   }
   level_ = static_cast<Level>(static_cast<int>(level_) - 1);
@@ -69,19 +67,10 @@ pipeline::RuntimeParams LoadShedder::params() const {
 }
 
 std::string LoadShedder::description() const {
-  switch (level_) {
-    case Level::kNothing:
-      return "";
-    case Level::kPage:
-      return "without page";
-    case Level::kMostScans:
-      return "without page and most ground scans";
-    case Level::kScans:
-      return "without page and grid";
-    case Level::kFarBoxes:
-      break;
-  }
-  return "without page, grid and boxes beyond 30 m";
+  constexpr const char* kTexts[] = {"", "without page", "without page and most ground scans",
+                                    "without page and grid",
+                                    "without page, grid and boxes beyond 30 m"};
+  return kTexts[static_cast<std::size_t>(level_)];
 }
 
 }  // namespace headway::run

@@ -43,6 +43,8 @@ class LoadShedder {
   [[nodiscard]] std::string description() const;
 
  private:
+  static constexpr double kMinCalm_s = 3.0;
+
   void shed(double now_s);
   void recover(double now_s);
 
@@ -52,7 +54,7 @@ class LoadShedder {
   std::optional<double> over_since_;    ///< the load exceeds the interval
   std::optional<double> calm_since_;    ///< the load leaves room
   std::optional<double> recovered_at_;  ///< the latest step that was taken back
-  double calm_s_ = 3.0;                 ///< before a step is taken back
+  double calm_s_ = kMinCalm_s;          ///< before a step is taken back
 };
 
 }  // namespace headway::run

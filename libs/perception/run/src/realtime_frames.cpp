@@ -14,7 +14,6 @@ namespace headway::run {
 namespace {
 
 constexpr double kMaxGapS = 5.0;
-constexpr std::chrono::milliseconds kPollInterval(100);  // of a stop request
 
 class RealtimeFrames final : public Source {
  public:
@@ -42,7 +41,9 @@ class RealtimeFrames final : public Source {
   [[nodiscard]] std::optional<LiveFrame> next(const StopCondition& stop) override {
     if (!thread_.joinable()) thread_ = std::thread([this] { readAll(); });
     std::unique_lock lock(mutex_);
-    while (queue_.empty() && !finished_ && !stop()) changed_.wait_for(lock, kPollInterval);
+    while (queue_.empty() && !finished_ && !stop()) {
+      changed_.wait_for(lock, std::chrono::milliseconds(100));  // stop() wakes nobody
+    }
     if (stop()) return std::nullopt;
     if (queue_.empty()) {
       if (error_) std::rethrow_exception(error_);

@@ -3,9 +3,10 @@
 // background, and how the solution enters the map.
 #include "bundle_adjustment.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <utility>
 
 #include "bundle_solver.h"
@@ -13,8 +14,6 @@
 
 namespace headway::slam {
 namespace {
-
-constexpr double kGate = 11.34;  ///< chi-square, 3 degrees of freedom, 99 %
 
 /// Positions of ids in an ascending list. Fast for ids that follow each other, as those of the
 /// keyframes that observe a landmark mostly do.
@@ -41,9 +40,10 @@ bool isOutlier(const Pose& T_cam_map, const Eigen::Vector3d& position,
                stereo::StereoMeasurement measurement, double disparity_offset_px,
                const StereoCamera& camera) {
   const Eigen::Vector3d point_cam = T_cam_map * position;
-  if (point_cam.z() < kMinObservedDepth) return true;
+  if (point_cam.z() < stereo::kMinDepth) return true;
   measurement.disparity -= disparity_offset_px;
-  return stereo::stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() > kGate;
+  return stereo::stereoResidual(point_cam, measurement, camera, nullptr).squaredNorm() >
+         chiSquare99(3);
 }
 
 }  // namespace
@@ -293,10 +293,6 @@ BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
   return bundle.writeBack(map);
 }
 
-bool BundleAdjuster::Job::finished() const {
-  return solved.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
-
 void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
                             int max_iterations) {
   if (!in_background_) {
@@ -320,9 +316,9 @@ void BundleAdjuster::abandon() {
 
 std::optional<Pose> BundleAdjuster::applyFinished(SparseMap& map) {
   abandoned_.erase(std::remove_if(abandoned_.begin(), abandoned_.end(),
-                                  [](const auto& job) { return job->finished(); }),
+                                  [](const auto& job) { return isReady(job->solved); }),
                    abandoned_.end());
-  if (job_ == nullptr || !job_->finished()) return std::nullopt;
+  if (job_ == nullptr || !isReady(job_->solved)) return std::nullopt;
   job_->solved.get();
   const BundleSummary summary = job_->bundle.writeBack(map);
   free_offset_ = summary.free_offset;

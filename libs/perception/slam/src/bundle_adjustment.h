@@ -105,7 +105,6 @@ class BundleAdjuster {
     Job(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
         : bundle(map, free, camera) {}
     ~Job() { bundle.stop(); }
-    [[nodiscard]] bool finished() const;
   };
 
   StereoCamera camera_;

@@ -63,8 +63,8 @@ MotionTerms linearised(const BundleProblem::Motion& motion, const std::vector<Po
 
 namespace {
 
-constexpr double kHuber = 2.0;        ///< residual above which the loss is linear [sigma]
-constexpr double kOffsetSigma = 0.5;  ///< rectification is accurate to about this much [px]
+constexpr double kHuber = 2.0;  ///< residual above which the loss is linear [sigma]
+using stereo::kRectificationSigma_px;
 constexpr double kOffsetWalk = 0.05;  ///< change of the offset between two adjustments [px]
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
@@ -98,7 +98,7 @@ std::vector<Pose> inverses(const std::vector<Pose>& poses) {
 
 double costOf(const BundleProblem& problem, const StereoCamera& camera, double previous_offset) {
   const auto cameras = inverses(problem.poses);
-  double sum = std::pow(problem.disparity_offset_px / kOffsetSigma, 2) +
+  double sum = std::pow(problem.disparity_offset_px / kRectificationSigma_px, 2) +
                std::pow((problem.disparity_offset_px - previous_offset) / kOffsetWalk, 2);
   std::size_t next = 0;
   for (const BundleProblem::Point& point : problem.points) {
@@ -106,7 +106,7 @@ double costOf(const BundleProblem& problem, const StereoCamera& camera, double p
       const auto& [pose, measurement] = problem.observations[next];
       const Pose& T_cam_map = cameras[static_cast<std::size_t>(pose)];
       const Eigen::Vector3d point_cam = T_cam_map * point.position;
-      if (point_cam.z() < kMinObservedDepth) return std::numeric_limits<double>::infinity();
+      if (point_cam.z() < stereo::kMinDepth) return std::numeric_limits<double>::infinity();
       const auto corrected = withoutOffset(measurement, problem.disparity_offset_px);
       sum += huber(stereo::stereoResidual(point_cam, corrected, camera, nullptr).squaredNorm());
     }
@@ -192,8 +192,8 @@ bool BundleStep::compute(double radius) {
 std::optional<stereo::OffsetEstimate> BundleStep::freeOffset() {
   if (!compute(1e12)) return std::nullopt;  // undamped
   const double relative = 1.0 / square(kOffsetWalk);
-  const double information = system_.pivot() - 1.0 / square(kOffsetSigma) - relative;
-  if (information < 1.0 / square(kOffsetSigma)) return std::nullopt;
+  const double information = system_.pivot() - 1.0 / square(kRectificationSigma_px) - relative;
+  if (information < 1.0 / square(kRectificationSigma_px)) return std::nullopt;
   const double sum = system_.pivot() * (problem_.disparity_offset_px + step_offset_);
   return stereo::OffsetEstimate{(sum - relative * previous_offset_) / information,
                                 1.0 / std::sqrt(information)};
@@ -209,7 +209,7 @@ void BundleStep::setZero() {
 
 void BundleStep::addOffsetPrior() {
   const double offset = problem_.disparity_offset_px;
-  const double absolute = 1.0 / (kOffsetSigma * kOffsetSigma);
+  const double absolute = 1.0 / (kRectificationSigma_px * kRectificationSigma_px);
   const double relative = 1.0 / (kOffsetWalk * kOffsetWalk);
   diagonal_offset_ += absolute + relative;
   right_offset_ -= offset * absolute + (offset - previous_offset_) * relative;

@@ -18,8 +18,6 @@
 
 namespace headway::slam {
 
-constexpr double kMinObservedDepth = 0.05;  ///< [m]
-
 /// Poses and points to be adjusted to measurements of the points; indices refer to the vectors.
 struct BundleProblem {
   struct Observation {

@@ -3,6 +3,8 @@
 // sensor against the camera.
 #include "inertial_alignment.h"
 
+#include <headway/core/statistics.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,18 +13,9 @@
 namespace headway::slam {
 namespace {
 
-constexpr double kGravity = 9.80665;     // [m/s^2]
-constexpr double kGravitySigma = 0.03;   // over the Earth's surface [m/s^2]
-constexpr double kBiasSigma = 0.1;       // of a MEMS accelerometer [m/s^2]
-constexpr double kBiasWalk = 0.002;      // [m/s^2/sqrt(s)]
-constexpr double kForceNoise = 0.05;     // white noise with vibration [m/s^2/sqrt(Hz)]
-constexpr double kLeverArm = 0.3;        // of the sensor from the robot's origin, unknown [m]
-constexpr double kVelocitySigma = 30.0;  // before the first step [m/s]
-// Errors of the landmarks' depths are common to the points of a frame, so that its pose is less
-// accurate than its residuals show, most of all with a short baseline.
-constexpr double kCommonErrors = 3.0;
-constexpr double kStepSigmaRatio = 0.01;     // of the step's length
-constexpr double kExpectedInnovation = 3.0;  // degrees of freedom
+constexpr InertialNoise kNoise;
+constexpr double kGravity = 9.80665;         // standard gravity [m/s^2]
+constexpr double kExpectedInnovation = 3.0;  // its degrees of freedom
 
 }  // namespace
 
@@ -30,8 +23,8 @@ GravityEstimator::GravityEstimator(double sigma_tilt_rad) : innovation_(kExpecte
   state_.head<3>() = kGravity * Eigen::Vector3d::UnitZ();
   State sigmas;
   const double sigma_xy = kGravity * sigma_tilt_rad;
-  sigmas << sigma_xy, sigma_xy, kGravitySigma, kBiasSigma, kBiasSigma, kBiasSigma, kVelocitySigma,
-      kVelocitySigma, kVelocitySigma;
+  sigmas << sigma_xy, sigma_xy, kNoise.gravity, Eigen::Vector3d::Constant(kNoise.bias),
+      Eigen::Vector3d::Constant(kNoise.velocity);
   covariance_ = sigmas.cwiseAbs2().asDiagonal();
 }
 
@@ -44,7 +37,6 @@ void GravityEstimator::add(const CameraStep& step, const Eigen::Vector3d& veloci
 void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
   constexpr double kWindow = 20.0;       // frames in the mean innovation
   constexpr double kMaxCounted = 100.0;  // one jump of the camera is no contradiction
-  constexpr double kOutlier = 3.0 * kExpectedInnovation;
   const double dt = step.seconds;
   const Eigen::Matrix3d R_robot_map = step.T_map_previous.linear().transpose();
   Eigen::Matrix<double, 3, 9> H;
@@ -52,13 +44,15 @@ void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& vel
       Eigen::Matrix3d::Identity();
   const Eigen::Vector3d moved = step.T_previous_current.translation();
   const Eigen::Vector3d innovation = moved / dt - 0.5 * velocity_increment - H * state_;
-  const double sigma = (kCommonErrors * step.sigma_m + kStepSigmaRatio * moved.norm()) / dt;
+  const double sigma =
+      (kNoise.common_errors * step.sigma_m + kNoise.step_ratio * moved.norm()) / dt;
   const Eigen::Matrix3d predicted = H * covariance_ * H.transpose();
   Eigen::Matrix3d noise = sigma * sigma * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d S = predicted + noise;
   const double normalised = innovation.dot(S.inverse() * innovation);
   innovation_ += (std::min(normalised, kMaxCounted) - innovation_) / kWindow;
-  noise *= std::max(1.0, normalised / kOutlier);  // robust against single wrong poses
+  noise *=
+      std::max(1.0, normalised / (3.0 * kExpectedInnovation));  // robust against single wrong poses
   const Eigen::Matrix<double, 9, 3> gain =
       covariance_ * H.transpose() * Eigen::Matrix3d(predicted + noise).inverse();
   state_ += gain * innovation;
@@ -78,16 +72,16 @@ void GravityEstimator::predict(const CameraStep& step, const Eigen::Vector3d& ve
   state_.tail<3>() += R_current_previous * velocity_increment;
   covariance_ = F * covariance_ * F.transpose();
   const double rate = logSo3(step.T_previous_current.linear()).norm() / dt;
-  const double lever = kLeverArm * rate * rate * dt;  // centripetal
-  const double velocity_variance = kForceNoise * kForceNoise * dt + lever * lever;
-  covariance_.diagonal().segment<3>(3).array() += kBiasWalk * kBiasWalk * dt;
+  const double lever = kNoise.lever_arm_m * rate * rate * dt;  // centripetal
+  const double velocity_variance = kNoise.force * kNoise.force * dt + lever * lever;
+  covariance_.diagonal().segment<3>(3).array() += kNoise.bias_walk * kNoise.bias_walk * dt;
   covariance_.diagonal().tail<3>().array() += velocity_variance;
 }
 
 void GravityEstimator::resetVelocity() {
   covariance_.rightCols<3>().setZero();
   covariance_.bottomRows<3>().setZero();
-  covariance_.diagonal().tail<3>().setConstant(kVelocitySigma * kVelocitySigma);
+  covariance_.diagonal().tail<3>().setConstant(kNoise.velocity * kNoise.velocity);
   state_.tail<3>().setZero();
 }
 
@@ -117,14 +111,8 @@ bool GravityEstimator::isContradictory() const { return innovation_ > 10.0 * kEx
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-constexpr double kMountSigma = 3.0 * kDegree;  // slopes and suspension of a robot at its start
-constexpr double kMaxMountTilt =
-    20.0 * kDegree;  // beyond: more than a robot's acceleration explains
-constexpr double kUprightSigma = 10.0 * kDegree;  // of the accelerometer alone, in any motion
-constexpr double kMaxGroundTilt = 10.0 * kDegree;
-// Later a tilt is the drift of the camera's path, which is no reason to turn the whole map.
-constexpr double kLevelling = 30.0;  // [s]
+constexpr LevellingParams kLevelling;
+constexpr GyroscopeLimits kLimits;
 
 double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -134,27 +122,23 @@ double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 void GyroscopeCheck::add(const Eigen::Matrix3d& by_gyroscope, const Eigen::Matrix3d& by_camera,
                          double seconds) {
-  constexpr double kMaxBias = 0.05;       // of a gyroscope [rad/s]
-  constexpr double kCameraSigma = 0.002;  // of the camera's turn between two frames [rad]
-  constexpr double kWindow = 2.0;         // turns in the comparison [rad]
   const double turn = std::max(logSo3(by_gyroscope).norm(), logSo3(by_camera).norm());
-  if (turn <= kMaxBias * seconds + 2.0 * kCameraSigma) return;
+  if (turn <= kLimits.max_bias * seconds + 2.0 * kLimits.camera_sigma_rad) return;
   turned_rad_ += turn;
   differed_rad_ += logSo3(by_gyroscope.transpose() * by_camera).norm();
-  if (turned_rad_ > kWindow) {
+  if (turned_rad_ > kLimits.window_rad) {
     turned_rad_ *= 0.5;
     differed_rad_ *= 0.5;
   }
 }
 
 bool GyroscopeCheck::isContradictory() const {
-  constexpr double kEnough = 0.2;  // [rad]
-  return turned_rad_ > kEnough && differed_rad_ > 0.5 * turned_rad_;
+  return turned_rad_ > kLimits.enough_rad && differed_rad_ > 0.5 * turned_rad_;
 }
 
 Eigen::Vector3d InertialAlignment::initialUp(
     const MotionPrior& prior, const std::function<std::optional<Eigen::Vector3d>()>& up_ground) {
-  gravity_ = GravityEstimator(kMountSigma);
+  gravity_ = GravityEstimator(kLevelling.mount_sigma_rad);
   const Eigen::Vector3d mounted = Eigen::Vector3d::UnitZ();
   if (!prior.specific_force) return mounted;
   if (!prior.specific_force->allFinite() || prior.specific_force->isZero()) {
@@ -162,13 +146,13 @@ Eigen::Vector3d InertialAlignment::initialUp(
     return mounted;
   }
   status_ = ImuStatus::kUsed;
-  if (angleBetween(*prior.specific_force, mounted) <= kMaxMountTilt) return mounted;
+  if (angleBetween(*prior.specific_force, mounted) <= kLevelling.max_mount_tilt_rad) return mounted;
   const auto ground = up_ground();
-  if (ground && angleBetween(*ground, mounted) < kMaxGroundTilt) {
+  if (ground && angleBetween(*ground, mounted) < kLevelling.max_ground_tilt_rad) {
     status_ = ImuStatus::kAccelerometerContradicts;
     return mounted;
   }
-  gravity_ = GravityEstimator(kUprightSigma);
+  gravity_ = GravityEstimator(kLevelling.upright_sigma_rad);
   return prior.specific_force->normalized();
 }
 
@@ -187,7 +171,7 @@ std::optional<Eigen::Matrix3d> InertialAlignment::add(const CameraStep& step,
   gravity_.add(step, *prior.velocity_increment);
   observed_s_ += step.seconds;
   if (gravity_.isContradictory()) return leaveOut(ImuStatus::kAccelerometerContradicts);
-  if (observed_s_ > kLevelling || !isTilted()) return std::nullopt;
+  if (observed_s_ > kLevelling.period_s || !isTilted()) return std::nullopt;
   const Eigen::Matrix3d rotation =
       Eigen::Quaterniond::FromTwoVectors(gravity_.up(), Eigen::Vector3d::UnitZ())
           .toRotationMatrix();
@@ -199,8 +183,7 @@ std::optional<Eigen::Matrix3d> InertialAlignment::add(const CameraStep& step,
 /// The mount is exact unless gravity refutes it, because most robots stand on level floors and an
 /// accelerometer's bias is half a degree.
 bool InertialAlignment::isTilted() const {
-  constexpr double kChiSquared = 9.21;  // two degrees of freedom, 1 %
-  if (levelled_.isIdentity()) return gravity_.normalisedTilt() > kChiSquared;
+  if (levelled_.isIdentity()) return gravity_.normalisedTilt() > chiSquare99(2);
   const double tilt = angleBetween(gravity_.up(), Eigen::Vector3d::UnitZ());
   return tilt > std::max(0.1 * kDegree, 0.5 * gravity_.tiltSigma());
 }

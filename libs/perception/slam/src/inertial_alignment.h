@@ -20,6 +20,20 @@ struct CameraStep {
   double sigma_m = 0.0;  ///< of its translation, per axis, given the landmarks [m]
 };
 
+/// Errors of an inertial sensor and of the motion by camera that it is compared with.
+struct InertialNoise {
+  double gravity = 0.03;     ///< over the Earth's surface [m/s^2]
+  double bias = 0.1;         ///< of a MEMS accelerometer [m/s^2]
+  double bias_walk = 0.002;  ///< [m/s^2/sqrt(s)]
+  double force = 0.05;       ///< white noise with vibration [m/s^2/sqrt(Hz)]
+  double lever_arm_m = 0.3;  ///< of the sensor from the robot's origin, which is not known
+  double velocity = 30.0;    ///< before the first step [m/s]
+  /// Errors of the landmarks' depths are common to the points of a frame, so that its pose is less
+  /// accurate than its residuals show, most of all with a short baseline.
+  double common_errors = 3.0;
+  double step_ratio = 0.01;  ///< of the step's length: scale of the map
+};
+
 /// Estimates gravity in the map from the accelerometer and the camera's own motion.
 ///
 /// A Kalman filter over the specific force of rest (upwards, map frame), the accelerometer's bias
@@ -62,7 +76,15 @@ class GravityEstimator {
   double innovation_ = 0.0;  ///< running mean of the normalised innovation squared
 };
 
-/// Compares the gyroscope's turns with the camera's.
+/// When the gyroscope contradicts the camera.
+struct GyroscopeLimits {
+  double max_bias = 0.05;           ///< of a gyroscope: a rotation below it tells nothing [rad/s]
+  double camera_sigma_rad = 0.002;  ///< of the camera's rotation between two frames
+  double window_rad = 2.0;          ///< rotations in the comparison; older ones count half
+  double enough_rad = 0.2;          ///< of rotations for a contradiction
+};
+
+/// Compares the gyroscope's rotations with the camera's.
 class GyroscopeCheck {
  public:
   void add(const Eigen::Matrix3d& by_gyroscope, const Eigen::Matrix3d& by_camera, double seconds);
@@ -71,6 +93,16 @@ class GyroscopeCheck {
  private:
   double turned_rad_ = 0.0;
   double differed_rad_ = 0.0;
+};
+
+/// When the map is levelled by the inertial sensor.
+struct LevellingParams {
+  double mount_sigma_rad = 3.0 * kDegree;       ///< slopes and suspension of a robot at its start
+  double max_mount_tilt_rad = 20.0 * kDegree;   ///< more than a robot's acceleration explains
+  double upright_sigma_rad = 10.0 * kDegree;    ///< of the accelerometer alone, in any motion
+  double max_ground_tilt_rad = 10.0 * kDegree;  ///< of the ground against a robot that stands on it
+  /// Later a tilt is the drift of the camera's path, which is no reason to turn the whole map.
+  double period_s = 30.0;
 };
 
 /// Levels the map by the inertial sensor, and leaves out one that contradicts the camera.

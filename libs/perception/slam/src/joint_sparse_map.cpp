@@ -3,6 +3,8 @@
 // both.
 #include "joint_sparse_map.h"
 
+#include <headway/core/statistics.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -21,9 +23,8 @@
 namespace headway::slam {
 namespace {
 
-constexpr int kCandidates = 3;        ///< places of other maps that are compared with a keyframe
-constexpr double kMinSigma = 2.0;     ///< of a measurement against a pose by descriptors alone [px]
-constexpr double kPointGate = 11.34;  ///< chi-square, 3 degrees of freedom, 99 %
+constexpr int kCandidates = 3;     ///< places of other maps that are compared with a keyframe
+constexpr double kMinSigma = 2.0;  ///< of a measurement against a pose by descriptors alone [px]
 
 /// Landmarks that a keyframe sees, as it sees them.
 struct SeenLandmarks {
@@ -64,7 +65,7 @@ std::vector<std::pair<const Landmark*, std::size_t>> sameLandmarks(
       measurement.sigma_px = std::max(measurement.sigma_px, kMinSigma);
       measurement.sigma_disparity_px = std::max(measurement.sigma_disparity_px, kMinSigma);
       const auto residual = stereo::stereoResidual(point, measurement, camera, nullptr);
-      if (residual.squaredNorm() > kPointGate) continue;
+      if (residual.squaredNorm() > chiSquare99(3)) continue;
       const int bits = distance(landmark->descriptor, seen.points[i].descriptor);
       if (bits <= kMaxDescriptorDistance) candidates.emplace_back(bits, landmark, i);
     }
@@ -115,8 +116,7 @@ std::optional<MapLink> linkTo(KeyframeId place, const Keyframe& keyframe, const 
 /// Whether two links of the same maps agree, as far as drift between them allows.
 bool agree(const MapLink& a, const MapLink& b, const SparseMap& map) {
   constexpr double kFloorM = 0.5;
-  constexpr double kLinkDrift = 0.05;  ///< of the distance [-]
-  constexpr double kMaxTurn = 0.05;    ///< [rad]
+  constexpr double kMaxTurn = 0.05;  ///< [rad]
   const auto between = [&map](KeyframeId from, KeyframeId to) {
     return Pose(map.keyframe(from).T_map_cam.inverse(Eigen::Isometry) * map.keyframe(to).T_map_cam);
   };
@@ -125,7 +125,7 @@ bool agree(const MapLink& a, const MapLink& b, const SparseMap& map) {
   const Pose by_b = T_places * b.T_place_keyframe * T_keyframes.inverse(Eigen::Isometry);
   const Pose difference = a.T_place_keyframe.inverse(Eigen::Isometry) * by_b;
   const double apart = T_keyframes.translation().norm() + T_places.translation().norm();
-  return difference.translation().norm() < kFloorM + kLinkDrift * apart &&
+  return difference.translation().norm() < kFloorM + kMaxDrift * apart &&
          logSo3(difference.linear()).norm() < kMaxTurn * (1.0 + 0.1 * apart);
 }
 

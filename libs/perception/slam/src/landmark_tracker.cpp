@@ -62,20 +62,6 @@ cv::Mat suspectMask(const MovingRegions& moving, DynamicRejection mode,
 
 namespace {
 
-void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
-  const bool is_depth = !frame.disparity.empty();
-  for (const cv::Mat* image : {&frame.left, is_depth ? &frame.disparity : &frame.right}) {
-    const int type = image == &frame.disparity ? CV_32FC1 : CV_8UC1;
-    if (image->type() == type && image->cols == camera.width && image->rows == camera.height) {
-      continue;
-    }
-    throw InputError("stereo frame " + std::to_string(frame.index) + ": an image is " +
-                     std::to_string(image->cols) + "x" + std::to_string(image->rows) +
-                     ", must be 8-bit grey and " + std::to_string(camera.width) + "x" +
-                     std::to_string(camera.height) + " as calibrated");
-  }
-}
-
 /// Cells so small that those outside of the excluded regions are about `features`, in steps of two,
 /// so that they stay the same from frame to frame; not smaller than a patch, because neighbouring
 /// landmarks would measure the same pixels.
@@ -92,7 +78,7 @@ FeatureGrid gridOutside(const cv::Mat& excluded, const StereoCamera& camera, int
 TrackingFrame makeTrackingFrame(const stereo::FrameContext& context, const MovingRegions& moving,
                                 const StereoCamera& camera, const SlamParams& params) {
   const StereoFrame& frame = context.frame();
-  requireImages(frame, camera);
+  stereo::requireImages(frame, camera);
   TrackingFrame current;
   current.index = frame.index;
   current.time = frame.time;

@@ -3,7 +3,6 @@
 #include "loop_closer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <future>
 #include <iterator>
@@ -26,14 +25,14 @@ struct EdgeNoise {
 };
 
 PoseGraphEdge edgeBetween(const Keyframe& a, const Keyframe& b) {
-  constexpr EdgeNoise kNoise;
+  constexpr EdgeNoise kEdge;
   PoseGraphEdge edge;
   edge.a = a.id;
   edge.b = b.id;
   edge.T_a_b = a.T_map_cam.inverse(Eigen::Isometry) * b.T_map_cam;
   const double length = edge.T_a_b.translation().norm();
-  edge.sigma_m = kNoise.floor_m + kNoise.per_m * length;
-  edge.sigma_rad = kNoise.floor_rad + kNoise.rad_per_m * length;
+  edge.sigma_m = kEdge.floor_m + kEdge.per_m * length;
+  edge.sigma_rad = kEdge.floor_rad + kEdge.rad_per_m * length;
   return edge;
 }
 
@@ -154,7 +153,6 @@ void applyCorrection(const std::map<KeyframeId, Pose>& corrected, SparseMap& map
 namespace {
 
 constexpr int kMinAge = 20;          ///< keyframes between a place and its return, at least
-constexpr double kDrift = 0.05;      ///< maximum drift over path length [-]
 constexpr double kDriftFloor = 1.0;  ///< minimum of the maximum drift [m]
 
 std::vector<Descriptor> descriptorsOf(KeyframeId keyframe, const SparseMap& map) {
@@ -230,7 +228,8 @@ std::vector<KeyframeId> LoopCloser::findLoopCandidates(KeyframeId newest,
     after = T_map_old.translation();
     const bool aged = at->first.value + kMinAge < newest.value &&
                       !std::binary_search(near.begin(), near.end(), at->first);
-    const bool reachable = (after - T_map_cam.translation()).norm() < kDriftFloor + kDrift * path;
+    const bool reachable =
+        (after - T_map_cam.translation()).norm() < kDriftFloor + kMaxDrift * path;
     const double facing = T_map_old.linear().col(2).dot(T_map_cam.linear().col(2));
     if (aged && reachable && facing > std::cos(kMaxTurn)) old.push_back(at->first);
   }
@@ -289,7 +288,7 @@ double LoopCloser::allowedOffset(KeyframeId newest, KeyframeId old, const Sparse
     path += (at->second.T_map_cam.translation() - last).norm();
     last = at->second.T_map_cam.translation();
   }
-  return kDriftFloor + kDrift * path;
+  return kDriftFloor + kMaxDrift * path;
 }
 
 std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeId newest,
@@ -369,9 +368,6 @@ struct LoopCloser::Search {
     step = next;
     running = worker.run(std::move(work));
   }
-  [[nodiscard]] bool finished() const {
-    return running.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  }
 };
 
 LoopCloser::LoopCloser(const StereoCamera& camera, const SlamParams& params,
@@ -401,7 +397,7 @@ std::vector<LoopAttempt> LoopCloser::closeOrSearch(const TrackingFrame& frame, K
 
 LoopProgress LoopCloser::advance(SparseMap& map) {
   LoopProgress progress;
-  if (search_ == nullptr || !search_->finished()) return progress;
+  if (search_ == nullptr || !isReady(search_->running)) return progress;
   search_->running.get();
   const bool in_vain = search_->abandoned || map.keyframes().count(search_->newest) == 0;
   if (in_vain && search_->step != Search::Step::kAdjust) {

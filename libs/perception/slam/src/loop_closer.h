@@ -43,6 +43,8 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
+inline constexpr double kMaxDrift = 0.05;  ///< of a path that is closed, over its length [-]
+
 /// A verified loop: the newest keyframe as an old one's surroundings see it.
 struct ClosedLoop {
   KeyframeId newest;

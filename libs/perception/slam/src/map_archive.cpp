@@ -21,9 +21,11 @@ namespace headway::slam {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4d535748;  ///< "HWSM"
-constexpr std::uint32_t kVersion = 4;
-constexpr std::uint32_t kVersionWithoutSubmaps = 3;
-constexpr std::uint32_t kVersionWithoutTurn = 2;  ///< which lacks the right camera's rotation, too
+enum Version : std::uint32_t {
+  kVersionWithoutTurn = 2,  ///< of the right camera; nor with submaps
+  kVersionWithoutSubmaps = 3,
+  kVersion = 4,
+};
 constexpr std::int32_t kMaxSubmap = 1 << 20;
 
 constexpr double kMaxRightTurn = 0.1;  ///< [rad]
@@ -174,7 +176,7 @@ ByteSource mapBytes(const SparseMap& map, const StereoCamera& camera) {
   out.bytes.reserve(bytesInMemory(map));
   packed->gaps.reserve(map.landmarks().size());
   out.value(kMagic);
-  out.value(kVersion);
+  out.value<std::uint32_t>(kVersion);
   write(out, camera);
   out.value(map.disparityOffset());
   out.matrix(map.rightTurn());

@@ -15,16 +15,19 @@
 namespace headway::slam {
 namespace {
 
-constexpr int kCorners = 250;              ///< cells of the image, each with a corner
-constexpr double kFollowedSigma_px = 1.0;  ///< of a corner after many frames
-constexpr double kMaxSigma_px = 0.5;       ///< of an expected disparity that tells the offset
-constexpr double kMaxGate = 3.0;           ///< of the evidence [standard deviations]
-constexpr double kOffsetWalk_px = 0.01;    ///< from one estimate to the next: the mount flexes
-constexpr std::size_t kEvidence = 200;     ///< corners for an estimate
-constexpr double kIndependent = 0.05;      ///< ratio of it: corners of a frame share its errors
-constexpr double kRenewRatio = 0.9;        ///< of the corners, below which new ones are sought
-constexpr double kMinDisparity = 0.1;      ///< [px]; nearer to 0 a depth has no upper bound
-constexpr double kAgreement_px = 2.0;      ///< of where both motions see the corners, median
+/// How the offset of the disparities is estimated from corners that are lost.
+struct OffsetParams {
+  double followed_sigma_px = 1.0;  ///< of a corner's place after many frames, by drift of KLT
+  double max_sigma_px = 0.5;       ///< of an expected disparity that tells the offset
+  double max_residual = 3.0;       ///< of the evidence [standard deviations]
+  double walk_px = 0.01;           ///< from one estimate to the next: the mount flexes
+  std::size_t corners = 200;       ///< for an estimate: a line needs near and far ones
+};
+constexpr OffsetParams kOffset;
+constexpr int kCorners = 250;          ///< cells of the image, each with a corner
+constexpr double kRenewRatio = 0.9;    ///< of the corners, below which new ones are sought
+constexpr double kMinDisparity = 0.1;  ///< [px]; nearer to 0 a depth has no upper bound
+constexpr double kAgreement_px = 2.0;  ///< of where both motions see the corners, median
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
 /// The tracked motion is right to a pixel; what differs by more moves on its own.
 constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
@@ -178,8 +181,8 @@ void VisualOdometry::addEvidence(const std::vector<Corner>& before) {
     const double inverse_depth = parallax.dot(moved) / parallax.squaredNorm();
     const double depth = turned.z() / inverse_depth + t.z();
     const double focal_baseline = camera_.fx * camera_.baseline_m;
-    const double sigma_px = kFollowedSigma_px * camera_.baseline_m / parallax.norm();
-    if (!(inverse_depth > 0.0) || !(depth > 0.0) || !(sigma_px < kMaxSigma_px)) continue;
+    const double sigma_px = kOffset.followed_sigma_px * camera_.baseline_m / parallax.norm();
+    if (!(inverse_depth > 0.0) || !(depth > 0.0) || !(sigma_px < kOffset.max_sigma_px)) continue;
     evidence_.push_back({corner.disparity_px + offset_px_, focal_baseline / depth,
                          corner.variance_px2, sigma_px * sigma_px});
   }
@@ -187,9 +190,9 @@ void VisualOdometry::addEvidence(const std::vector<Corner>& before) {
 
 /// Fits a line to the evidence, twice, the second time without outliers.
 void VisualOdometry::estimateOffset() {
-  if (evidence_.size() < kEvidence) return;
+  if (evidence_.size() < kOffset.corners) return;
   Line line{1.0, offset_px_, 0.0};
-  for (const double gate : {5.0 * kMaxGate, kMaxGate}) {
+  for (const double gate : {5.0 * kOffset.max_residual, kOffset.max_residual}) {
     std::vector<Evidence> agreeing;
     for (const Evidence& one : evidence_) {
       const double residual = one.measured_px - line.slope * one.expected_px - line.offset_px;
@@ -201,9 +204,9 @@ void VisualOdometry::estimateOffset() {
     if (!fitted) return evidence_.clear();
     line = *fitted;
   }
-  offset_variance_px2_ += kOffsetWalk_px * kOffsetWalk_px;
-  const double gain =
-      offset_variance_px2_ / (offset_variance_px2_ + line.offset_variance / kIndependent);
+  offset_variance_px2_ += square(kOffset.walk_px);
+  const double gain = offset_variance_px2_ /
+                      (offset_variance_px2_ + line.offset_variance / stereo::kIndependentRatio);
   offset_px_ += gain * (line.offset_px - offset_px_);
   offset_variance_px2_ *= 1.0 - gain;
   evidence_.clear();
@@ -265,7 +268,7 @@ void VisualOdometry::turnRightCamera(const Eigen::Vector3d& before, const Eigen:
   }
   evidence_.clear();
   offset_px_ = offset;
-  if (before.y() != now.y()) offset_variance_px2_ = kFirstVariance_px2;
+  if (before.y() != now.y()) offset_variance_px2_ = square(stereo::kRectificationSigma_px);
 }
 
 /// Fills free cells with new corners, if a part of those that were there has been lost.

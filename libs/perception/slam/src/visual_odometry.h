@@ -2,8 +2,10 @@
 // Frame-to-frame visual odometry without a map, which moves the odometry frame.
 #pragma once
 
+#include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
+#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/pose_refiner.h>
 #include <headway/stereo/stereo_match.h>
 
@@ -52,8 +54,6 @@ class VisualOdometry {
   void turnRightCamera(const Eigen::Vector3d& before, const Eigen::Vector3d& now);
 
  private:
-  static constexpr double kFirstVariance_px2 = 0.25;  ///< rectified pairs are so to half a pixel
-
   struct Corner {
     Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< in the last frame [px]
     double disparity_px = 0.0;                     ///< filtered, less the offset
@@ -104,7 +104,7 @@ class VisualOdometry {
   Pose T_start_cam_ = Pose::Identity();  ///< of the last frame
   std::vector<Evidence> evidence_;       ///< since the last estimate of the offset
   double offset_px_ = 0.0;
-  double offset_variance_px2_ = kFirstVariance_px2;
+  double offset_variance_px2_ = square(stereo::kRectificationSigma_px);
 };
 
 }  // namespace headway::slam

@@ -6,14 +6,21 @@
 
 namespace headway::slam {
 
+namespace {
+
+OdometryLink linkOf(const Pose& step) {
+  return {{}, step, step.translation().norm(), logSo3(step.linear()).norm()};
+}
+
+}  // namespace
+
 void KeyframeOdometry::add(const MotionPrior& prior) {
   if (!link_) return;
   if (!prior.T_previous_current) {
     link_.reset();
     return;
   }
-  const Pose& step = *prior.T_previous_current;
-  link_ = composed(*link_, {{}, step, step.translation().norm(), logSo3(step.linear()).norm()});
+  link_ = composed(*link_, linkOf(*prior.T_previous_current));
 }
 
 void KeyframeOdometry::restartAt(KeyframeId keyframe) {
@@ -22,16 +29,13 @@ void KeyframeOdometry::restartAt(KeyframeId keyframe) {
 }
 
 Eigen::Matrix<double, 6, 1> sigmaOf(const OdometryLink& link) {
-  constexpr double kFloor = 0.01;      ///< backlash and time stamps [m]
-  constexpr double kAlong = 0.02;      ///< scale and slip, of the path [-]
-  constexpr double kSlope = 0.1;       ///< of the ground against the robot's plane [rad]
-  constexpr double kYawFloor = 0.005;  ///< [rad]
-  constexpr double kYawByTurn = 0.05;  ///< error of the track width [-]
-  constexpr double kYawByPath = 0.01;  ///< [rad/m]
-  const double plane = kFloor + kAlong * link.path_m;
-  const double yaw = kYawFloor + kYawByTurn * link.turn_rad + kYawByPath * link.path_m;
+  constexpr WheelNoise kWheels;
+  const double plane = kWheels.floor_m + kWheels.along * link.path_m;
+  const double yaw = kWheels.yaw_floor_rad + kWheels.yaw_by_turn * link.turn_rad +
+                     kWheels.yaw_rad_per_m * link.path_m;
   Eigen::Matrix<double, 6, 1> sigma;
-  sigma << plane, plane, kFloor + kSlope * link.path_m, kSlope, kSlope, yaw;
+  sigma << plane, plane, kWheels.floor_m + kWheels.slope_rad * link.path_m, kWheels.slope_rad,
+      kWheels.slope_rad, yaw;
   return sigma;
 }
 
@@ -95,12 +99,10 @@ bool OdometryCheck::add(const MeasuredStep& by_camera, const MotionPrior& prior)
     return true;
   }
   if (window_.empty()) window_.emplace_back();
-  const Pose& step = *prior.T_previous_current;
   const Moment& last = window_.back();
   window_.push_back({by_camera.time,
                      normalized(Pose(last.T_start_now * by_camera.T_previous_current)),
-                     composed(last.by_wheels,
-                              {{}, step, step.translation().norm(), logSo3(step.linear()).norm()}),
+                     composed(last.by_wheels, linkOf(*prior.T_previous_current)),
                      by_camera.position_sigma, by_camera.rotation_sigma});
   const Moment& now = window_.back();
   while (window_.size() > 2 && now.time - window_[1].time >= kWindowS) window_.pop_front();

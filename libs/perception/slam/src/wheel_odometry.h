@@ -30,6 +30,16 @@ class KeyframeOdometry {
   std::optional<OdometryLink> link_;
 };
 
+/// Errors of wheel odometry on a robot with two driven wheels or a car's axle.
+struct WheelNoise {
+  double floor_m = 0.01;         ///< backlash and time stamps
+  double along = 0.02;           ///< scale and slip, of the path [-]
+  double slope_rad = 0.1;        ///< of the ground against the robot's plane: 6 degrees
+  double yaw_floor_rad = 0.005;  ///< backlash over the track width
+  double yaw_by_turn = 0.05;     ///< error of the track width [-]
+  double yaw_rad_per_m = 0.01;   ///< different slip of both wheels
+};
+
 /// Standard deviations of a link for a BundleProblem::Motion: (translation [m], rotation [rad]).
 ///
 /// Wheels measure motion in the plane that the robot stands on, so the other components have the

@@ -7,8 +7,7 @@
 namespace headway::stereo {
 namespace {
 
-constexpr double kWalk_px = 0.03;      ///< from frame to frame
-constexpr double kIndependent = 0.05;  ///< ratio of information: errors of neighbours correlate
+constexpr double kWalk_px = 0.03;  ///< from frame to frame
 constexpr double kMaxOffset_px = 4.0;
 
 }  // namespace
@@ -18,7 +17,7 @@ void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points) {
   double information = 0.0;
   double gradient = 0.0;
   for (const OffsetEvidence& point : static_points) {
-    const double weight = kIndependent / (1.0 + point.fit);
+    const double weight = kIndependentRatio / (1.0 + point.fit);
     information += weight * point.information;
     gradient += weight * point.gradient;
   }

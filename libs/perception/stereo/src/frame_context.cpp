@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What SLAM and the detectors compute of a frame, each value once and when it is first used.
+#include <headway/core/error.h>
+#include <headway/core/text.h>
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/frame_context.h>
 #include <headway/stereo/ground_plane.h>
@@ -24,6 +26,19 @@ void subtractOffset(double offset_px, DisparityImage& disparity) {
 }
 
 }  // namespace
+
+void requireImages(const StereoFrame& frame, const StereoCamera& camera) {
+  const bool is_depth = !frame.disparity.empty();
+  for (const cv::Mat* image : {&frame.left, is_depth ? &frame.disparity : &frame.right}) {
+    const int type = image == &frame.disparity ? CV_32FC1 : CV_8UC1;
+    if (image->type() == type && image->cols == camera.width && image->rows == camera.height) {
+      continue;
+    }
+    throw InputError(
+        formatted("stereo frame %zu: an image is %dx%d, must be 8-bit grey and %dx%d as calibrated",
+                  frame.index, image->cols, image->rows, camera.width, camera.height));
+  }
+}
 
 struct FrameContext::Values {
   StereoFrame frame;

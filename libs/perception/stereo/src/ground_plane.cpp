@@ -17,15 +17,18 @@
 namespace headway::stereo {
 namespace {
 
-constexpr int kStep = 4;  // cells from sample to sample
-constexpr int kTrials = 80;
-constexpr double kMaxTiltCosine = 0.985;  // 10 degrees
-constexpr double kLowest = 0.2;           // camera above ground, unless mounted lower [m]
-constexpr double kHighest = 4.0;          // [m]
-constexpr double kMinRatio = 0.15;        // of the points that must lie on the plane
-constexpr double kRoughness = 0.01;       // of the ground [m]
-constexpr double kTiltSigma = 0.00175;    // 0.1 degrees: bends of the ground and of the rig
-constexpr double kGroundRatio = 0.5;      // of the minimum height of an obstacle: lower is ground
+/// The search for the plane.
+struct PlaneSearch {
+  int step = 4;     ///< cells from sample to sample
+  int trials = 80;  ///< of planes through three points: finds one with a third of them
+  double min_tilt_cosine = 0.985;  ///< 10 degrees against the mounting
+  double min_height_m = 0.2;       ///< of the camera, unless it is mounted lower
+  double max_height_m = 4.0;
+  double min_ratio = 0.15;  ///< of the points that must lie on the plane
+};
+constexpr PlaneSearch kSearch;
+constexpr double kRoughness = 0.01;     ///< of the ground [m]
+constexpr double kTiltSigma = 0.00175;  ///< 0.1 degrees: bends of the ground and of the rig [rad]
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -35,15 +38,16 @@ struct SearchLimits {
       : expected(groundPlane(rig, mountedUp(camera), 0.0)) {
     near_m = rig.nearest_m;
     far_m = rig.ground_to_m;
-    if (rig.camera_height_known) min_height_m = std::min(kLowest, 0.5 * rig.camera_height_m);
+    if (rig.camera_height_known)
+      min_height_m = std::min(kSearch.min_height_m, 0.5 * rig.camera_height_m);
     const double scale = std::min(1.0, far_m / 25.0);
     min_area_m2 = 0.2 * scale * scale;
   }
-  GroundPlane expected;           ///< as the camera is mounted, height aside
-  double near_m;                  ///< minimum depth of points of the ground
-  double far_m;                   ///< maximum depth of points of the ground
-  double min_height_m = kLowest;  ///< of the camera above the ground
-  double min_area_m2;             ///< of the parallelogram of three sampled points
+  GroundPlane expected;                        ///< as the camera is mounted, height aside
+  double near_m;                               ///< minimum depth of points of the ground
+  double far_m;                                ///< maximum depth of points of the ground
+  double min_height_m = kSearch.min_height_m;  ///< of the camera above the ground
+  double min_area_m2;                          ///< of the parallelogram of three sampled points
 };
 
 Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& camera,
@@ -51,8 +55,8 @@ Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& c
   Points points;
   const double fb = camera.fx * camera.baseline_m;
   for (int row = std::max(0, disparity.cellOf(camera.cy)); row < disparity.values.rows;
-       row += kStep) {
-    for (int column = 0; column < disparity.values.cols; column += kStep) {
+       row += kSearch.step) {
+    for (int column = 0; column < disparity.values.cols; column += kSearch.step) {
       const double d = disparity.values.at<float>(row, column);
       if (d < fb / limits.far_m || d > fb / limits.near_m) continue;
       const double z = fb / d;
@@ -64,8 +68,8 @@ Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& c
 }
 
 bool plausible(const GroundPlane& plane, const SearchLimits& limits) {
-  return plane.up.dot(limits.expected.up) > kMaxTiltCosine &&
-         plane.camera_height > limits.min_height_m && plane.camera_height < kHighest;
+  return plane.up.dot(limits.expected.up) > kSearch.min_tilt_cosine &&
+         plane.camera_height > limits.min_height_m && plane.camera_height < kSearch.max_height_m;
 }
 
 // Points on the plane, less those below it, since nothing is visible below the ground.
@@ -138,7 +142,7 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
   double best_score = previous ? score(best, points) : 0.0;
   std::mt19937 random(1);
   const auto draw = [&] { return points[random() % points.size()]; };
-  for (int trial = 0; trial < kTrials; ++trial) {
+  for (int trial = 0; trial < kSearch.trials; ++trial) {
     const Eigen::Vector3d a = draw(), b = draw(), c = draw();
     const Eigen::Vector3d normal = (b - a).cross(c - a);
     if (normal.norm() < limits.min_area_m2) continue;
@@ -149,7 +153,7 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
     best = plane;
     best_score = plane_score;
   }
-  if (best_score < kMinRatio * static_cast<double>(points.size())) return std::nullopt;
+  if (best_score < kSearch.min_ratio * static_cast<double>(points.size())) return std::nullopt;
   return refined(best, points, limits);
 }
 

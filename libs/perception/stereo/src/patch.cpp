@@ -119,15 +119,14 @@ double correlation(const Patch& patch, const float* samples) {
 }  // namespace
 
 ReferencePatch cutReference(const cv::Mat& image, const Eigen::Vector2d& uv) {
-  constexpr int kSize = ReferencePatch::kSize;
   ReferencePatch patch;
-  const int left = static_cast<int>(std::floor(uv.x())) - kSize / 2 + 1;
-  const int top = static_cast<int>(std::floor(uv.y())) - kSize / 2 + 1;
+  const int left = static_cast<int>(std::floor(uv.x())) - ReferencePatch::kSize / 2 + 1;
+  const int top = static_cast<int>(std::floor(uv.y())) - ReferencePatch::kSize / 2 + 1;
   patch.centre = (uv - Eigen::Vector2d(left, top)).cast<float>();
-  for (int r = 0; r < kSize; ++r) {
+  for (int r = 0; r < ReferencePatch::kSize; ++r) {
     const auto* row = image.ptr<std::uint8_t>(std::clamp(top + r, 0, image.rows - 1));
-    for (int c = 0; c < kSize; ++c) {
-      patch.pixels[r * kSize + c] = row[std::clamp(left + c, 0, image.cols - 1)];
+    for (int c = 0; c < ReferencePatch::kSize; ++c) {
+      patch.pixels[r * ReferencePatch::kSize + c] = row[std::clamp(left + c, 0, image.cols - 1)];
     }
   }
   return patch;
@@ -144,13 +143,13 @@ std::optional<Patch> cutPatch(const cv::Mat& image, const Eigen::Vector2d& uv) {
 
 std::optional<Patch> warpPatch(const ReferencePatch& reference,
                                const Eigen::Matrix2d& reference_from_view) {
-  constexpr int kSize = ReferencePatch::kSize;
   const Eigen::Matrix2f warp = reference_from_view.cast<float>();
   const float reach = kHalf + 1.0F;
   const Eigen::Vector2f extent = reach * warp.cwiseAbs().rowwise().sum();
   const Eigen::Vector2f low = reference.centre - extent;
   const Eigen::Vector2f high = reference.centre + extent;
-  if (!(low.minCoeff() >= 0.0F && high.maxCoeff() < static_cast<float>(kSize - 1))) {
+  if (!(low.minCoeff() >= 0.0F &&
+        high.maxCoeff() < static_cast<float>(ReferencePatch::kSize - 1))) {
     return std::nullopt;
   }
   std::array<float, kBordered * kBordered> samples;
@@ -163,10 +162,11 @@ std::optional<Patch> warpPatch(const ReferencePatch& reference,
       const int v = static_cast<int>(at.y());
       const float fu = at.x() - static_cast<float>(u);
       const float fv = at.y() - static_cast<float>(v);
-      const std::uint8_t* p = &reference.pixels[v * kSize + u];
+      const std::uint8_t* p = &reference.pixels[v * ReferencePatch::kSize + u];
       const float upper = static_cast<float>(p[0]) + fu * static_cast<float>(p[1] - p[0]);
       const float lower =
-          static_cast<float>(p[kSize]) + fu * static_cast<float>(p[kSize + 1] - p[kSize]);
+          static_cast<float>(p[ReferencePatch::kSize]) +
+          fu * static_cast<float>(p[ReferencePatch::kSize + 1] - p[ReferencePatch::kSize]);
       *out++ = upper + fv * (lower - upper);
     }
   }

@@ -52,12 +52,12 @@ std::optional<ImagePyramid> withBrightnessOf(const ImagePyramid& reference,
   if (similar) return std::nullopt;
   ImagePyramid result;
   for (const cv::Mat& level : pyramid.levels) {
-    constexpr int kPad = kMaxTrackingWindow;
+    const cv::Point pad(kMaxTrackingWindow, kMaxTrackingWindow);
     cv::Mat padded = level;
-    padded.adjustROI(kPad, kPad, kPad, kPad);
+    padded.adjustROI(pad.y, pad.y, pad.x, pad.x);
     cv::Mat converted;
     padded.convertTo(converted, CV_8U, gain, reference_mean[0] - gain * mean[0]);
-    result.levels.push_back(converted(cv::Rect({kPad, kPad}, level.size())));
+    result.levels.push_back(converted(cv::Rect(pad, level.size())));
   }
   return result;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pose that given landmarks and their measurements agree on.
+#include <headway/core/statistics.h>
 #include <headway/stereo/pose_refiner.h>
 
 #include <Eigen/Cholesky>
@@ -10,10 +11,6 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-constexpr double kMinDepth = 0.05;       ///< nearer landmarks are not compared [m]
-constexpr double kGateImage = 9.21;      ///< chi-square, 2 degrees of freedom, 99 %
-constexpr double kGateDisparity = 6.63;  ///< chi-square, 1 degree of freedom, 99 %
 
 /// Normal equations at one pose.
 struct NormalEquations {
@@ -136,9 +133,9 @@ int markInliers(const Pose& T_map_cam, std::vector<PoseConstraint>& constraints,
     if (point_cam.z() < kMinDepth) continue;
     const Eigen::Vector3d residual =
         stereoResidual(point_cam, constraint.measurement, camera, nullptr);
-    constraint.inlier = residual.head<2>().squaredNorm() < kGateImage * scale * scale;
+    constraint.inlier = residual.head<2>().squaredNorm() < chiSquare99(2) * scale * scale;
     constraint.stereo_inlier = constraint.measurement.stereo &&
-                               residual.z() * residual.z() < kGateDisparity * scale * scale;
+                               residual.z() * residual.z() < chiSquare99(1) * scale * scale;
     inliers += constraint.inlier ? 1 : 0;
   }
   return inliers;

@@ -55,24 +55,34 @@ cv::Mat RightTurn::undone(const cv::Mat& right) const {
 
 namespace {
 
-constexpr std::size_t kEnoughMatches = 200;
 constexpr std::array<const char*, 3> kAxes = {"pitch", "yaw", "roll"};
-constexpr int kYaw = 1;  // of the angles
-constexpr double kDegree = M_PI / 180.0;
-constexpr double kRowSigma_px = 0.3;                             // of a match
-constexpr std::array<double, 6> kScales = {32, 16, 8, 4, 2, 1};  // of the loss, in kRowSigma_px
-constexpr double kIndependentRows = 0.25;               // ratio of information: points recur
-constexpr double kPriorSigma = 0.02;                    // of each angle [rad]
-constexpr double kKnownSigma = 0.05 * kDegree;          // of angles found by an earlier run
-constexpr double kWalk = square(0.005 * kDegree) / 60;  // of each angle [rad^2/s]
-constexpr double kGate = 13.82;                         // chi-square, 2 degrees, 99.9 %
-constexpr int kRestart = 3;                             // frames in a row that contradict
-constexpr double kSignificance = 5.0;                   // standard deviations
-constexpr double kVisibleRows_px = 0.2;                 // half the noise of a disparity
-constexpr double kVisibleOffset_px =
-    0.25;  // of disparities: half of what bundle adjustment assumes
-constexpr double kChangedOffset_px = 0.15;  // smaller changes of a correction are not applied,
-constexpr double kChangedRows_px = 0.1;     // likewise
+constexpr int kYaw = 1;  ///< of the angles
+
+/// The estimate by rows.
+struct RowParams {
+  std::size_t enough_matches = 200;
+  double sigma_px = 0.3;                       ///< of a match
+  double independent = 0.25;                   ///< ratio of information: points recur
+  double prior_sigma_rad = 0.02;               ///< of each angle, of a camera that was calibrated
+  double known_sigma_rad = 0.05 * kDegree;     ///< of angles found by an earlier run
+  double walk = square(0.005 * kDegree) / 60;  ///< of each angle, by warmth [rad^2/s]
+  double contradicts = 13.82;                  ///< chi-square, 2 degrees of freedom, 99.9 %
+  int restart_frames = 3;                      ///< in a row that contradict
+  std::array<double, 6> scales = {32, 16, 8, 4, 2, 1};  ///< of the loss, in sigma_px
+};
+
+/// Which errors count and are corrected.
+struct CorrectionParams {
+  double significance = 5.0;     ///< standard deviations
+  double visible_rows_px = 0.2;  ///< half the noise of a disparity
+  /// Half of what bundle adjustment assumes.
+  double visible_offset_px = 0.5 * kRectificationSigma_px;
+  double changed_offset_px = 0.15;  ///< smaller changes of a correction are not applied: each
+  double changed_rows_px = 0.1;     ///< one converts the map
+};
+
+constexpr RowParams kRows;
+constexpr CorrectionParams kCorrection;
 
 /// Derivative of a point's row in the right image with respect to pitch, yaw and roll [px/rad].
 Eigen::Vector3d rowJacobian(const Eigen::Vector2d& right, const StereoCamera& camera) {
@@ -111,12 +121,14 @@ Angles withYaw(const RectificationError& error, const StereoCamera& camera) {
 /// Whether an offset of the disparities is significant and, less some standard deviations, does
 /// visible harm.
 bool isVisible(const std::optional<OffsetEstimate>& offset, double margin_sigmas = 0.0) {
-  return offset &&
-         std::abs(offset->px) > std::max(kVisibleOffset_px + margin_sigmas * offset->sigma_px,
-                                         kSignificance * offset->sigma_px);
+  return offset && std::abs(offset->px) >
+                       std::max(kCorrection.visible_offset_px + margin_sigmas * offset->sigma_px,
+                                kCorrection.significance * offset->sigma_px);
 }
 
-Eigen::Matrix3d priorInformation() { return Eigen::Matrix3d::Identity() / square(kPriorSigma); }
+Eigen::Matrix3d priorInformation() {
+  return Eigen::Matrix3d::Identity() / square(kRows.prior_sigma_rad);
+}
 
 }  // namespace
 
@@ -134,9 +146,9 @@ RectificationEstimator::RectificationEstimator(const StereoCamera& camera,
     : camera_(camera) {
   if (known.isZero()) return;
   estimate_.information.diagonal() << 1.0, 0.0, 1.0;
-  estimate_.information /= square(kKnownSigma);
+  estimate_.information /= square(kRows.known_sigma_rad);
   estimate_.gradient = estimate_.information * known;
-  estimate_.matches = kEnoughMatches;
+  estimate_.matches = kRows.enough_matches;
   estimate_.frames = 1;
 }
 
@@ -150,7 +162,7 @@ bool RectificationEstimator::Estimate::contradicts(const Estimate& other) const 
   const Eigen::Vector2d difference(between.x(), between.z());
   Eigen::Matrix2d expected;
   expected << covariances(0, 0), covariances(0, 2), covariances(2, 0), covariances(2, 2);
-  return difference.dot(expected.inverse() * difference) > kGate;
+  return difference.dot(expected.inverse() * difference) > kRows.contradicts;
 }
 
 void RectificationEstimator::Estimate::add(const Estimate& other) {
@@ -163,7 +175,7 @@ void RectificationEstimator::Estimate::add(const Estimate& other) {
 void RectificationEstimator::Estimate::walk(double seconds) {
   const Eigen::Vector3d mean = angles();
   const Eigen::Matrix3d walked =
-      (covariance() + kWalk * seconds * Eigen::Matrix3d::Identity()).inverse();
+      (covariance() + kRows.walk * seconds * Eigen::Matrix3d::Identity()).inverse();
   information = walked - priorInformation();
   gradient = walked * mean;
 }
@@ -174,13 +186,13 @@ RectificationEstimator::Estimate RectificationEstimator::estimateOf(
   for (const RowMatch& match : matches) rows.push_back(match.rows);
   Eigen::Vector3d angles(median(rows) / camera_.fy, 0.0, 0.0);
   Estimate result;
-  for (const double scale : kScales) {  // from a loss that is almost quadratic
+  for (const double scale : kRows.scales) {  // from a loss that is almost quadratic
     result = Estimate{};
     for (const RowMatch& match : matches) {
       const Eigen::Vector3d jacobian = rowJacobian(match.right, camera_);
-      const double residual = (match.rows - jacobian.dot(angles)) / (scale * kRowSigma_px);
+      const double residual = (match.rows - jacobian.dot(angles)) / (scale * kRows.sigma_px);
       const double weight =
-          kIndependentRows / square(kRowSigma_px) / square(1.0 + square(residual) / 4.0);
+          kRows.independent / square(kRows.sigma_px) / square(1.0 + square(residual) / 4.0);
       result.information += weight * jacobian * jacobian.transpose();
       result.gradient += weight * match.rows * jacobian;
     }
@@ -203,7 +215,7 @@ void RectificationEstimator::add(const std::vector<RowMatch>& matches, Time time
     contrary_ = frame;
   } else {
     contrary_->add(frame);
-    if (contrary_->frames < kRestart) return;
+    if (contrary_->frames < kRows.restart_frames) return;
     estimate_ = *contrary_;
     has_moved_ = true;
     contrary_.reset();
@@ -211,7 +223,7 @@ void RectificationEstimator::add(const std::vector<RowMatch>& matches, Time time
 }
 
 std::optional<RectificationError> RectificationEstimator::error() const {
-  if (estimate_.matches < kEnoughMatches) return std::nullopt;
+  if (estimate_.matches < kRows.enough_matches) return std::nullopt;
   const Eigen::Matrix3d covariance = estimate_.covariance();
   RectificationError error;
   error.angles = estimate_.angles();
@@ -235,8 +247,9 @@ Eigen::Vector3d significantAngles(const RectificationError& error, const StereoC
     const double size = std::abs(error.angles[axis]);
     Eigen::Vector3d at_least = Eigen::Vector3d::Zero();
     at_least[axis] = std::max(0.0, size - margin_sigmas * error.sigmas[axis]);
-    const bool is_significant = size > kSignificance * error.sigmas[axis];
-    if (axis == kYaw || !is_significant || rowsRms(at_least, camera) < kVisibleRows_px) {
+    const bool is_significant = size > kCorrection.significance * error.sigmas[axis];
+    if (axis == kYaw || !is_significant ||
+        rowsRms(at_least, camera) < kCorrection.visible_rows_px) {
       angles[axis] = 0.0;
     }
   }
@@ -253,7 +266,7 @@ std::optional<std::string> excessiveTurn(const RectificationError& error,
   for (int axis = 0; axis < 3; ++axis) {
     const double angle = angles[axis] / kDegree;
     const double sigma = sigmas[axis] / kDegree;
-    if (std::abs(angle) - kSignificance * sigma < kMaxTurn_deg) continue;
+    if (std::abs(angle) - kCorrection.significance * sigma < kMaxTurn_deg) continue;
     return formatted(
         "the right camera is turned by %.2f +- %.2f degrees in %s against its calibration, more "
         "than the %.1f degrees that are corrected; calibrate the cameras",
@@ -268,7 +281,7 @@ Eigen::Vector3d correctionFor(const RectificationError& error, const Eigen::Vect
   Eigen::Vector3d turn = present;
   Eigen::Vector3d rows(error.angles.x(), 0.0, error.angles.z());
   const bool is_corrected = present.x() != 0.0 || present.z() != 0.0;
-  const double least_px = std::max(kChangedRows_px, 3.0 * error.rows_rms_sigma_px);
+  const double least_px = std::max(kCorrection.changed_rows_px, 3.0 * error.rows_rms_sigma_px);
   rows[kYaw] = present[kYaw];
   if ((is_corrected || !significantAngles(error, camera, margin_sigmas).isZero()) &&
       rowsRms(rows - present, camera) > least_px) {
@@ -278,8 +291,8 @@ Eigen::Vector3d correctionFor(const RectificationError& error, const Eigen::Vect
   const double present_px = present[kYaw] / yawOfOffset(1.0, camera);
   const auto& [offset_px, sigma_px] = *error.disparities;
   const OffsetEstimate left{offset_px - present_px, sigma_px};
-  const bool has_changed =
-      std::abs(left.px) > std::max(kChangedOffset_px, kSignificance * left.sigma_px);
+  const bool has_changed = std::abs(left.px) > std::max(kCorrection.changed_offset_px,
+                                                        kCorrection.significance * left.sigma_px);
   if (present[kYaw] == 0.0 ? isVisible(left, margin_sigmas) : has_changed) {
     turn[kYaw] = yawOfOffset(offset_px, camera);
   }
@@ -299,7 +312,7 @@ std::string describe(const RectificationError& error, const StereoCamera& camera
   }
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_visible = axis == kYaw ? isVisible(error.disparities) : significant[axis] != 0.0;
-    const bool is_sure = std::abs(all.angles[axis]) > kSignificance * all.sigmas[axis];
+    const bool is_sure = std::abs(all.angles[axis]) > kCorrection.significance * all.sigmas[axis];
     if (!is_visible && !(is_sure && corrected[axis] != 0.0)) continue;
     axes += (axes.empty() ? "" : ", ") + std::string(kAxes[static_cast<std::size_t>(axis)]);
   }

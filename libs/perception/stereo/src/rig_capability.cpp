@@ -10,26 +10,41 @@
 namespace headway::stereo {
 namespace {
 
-constexpr double kMinKnownHeight_m = 0.05;  // a lower origin is the camera itself, not the ground
-constexpr double kAssumedHeight_m = 1.65;   // of a camera without known mounting
-constexpr double kLowMount_m = 1.0;         // below it a robot's, else a car's
-constexpr double kLowObstacle_m = 0.12;     // default obstacle height of a small robot
-constexpr double kHighObstacle_m = 0.3;     // and of a car
-constexpr double kMaxDisparityRatio = 0.2;  // of the image width
-constexpr double kNearestDepth_m = 0.3;     // that depth cameras measure
-constexpr double kMinObstaclePx = 10.0;     // height of an obstacle in the image
-constexpr double kMinContrastSigmas = 7.5;  // of an obstacle's top against the ground behind it
-constexpr double kMaxDepthSigma_m = 0.45;   // of an obstacle
-constexpr double kMaxGroundSigma_m = 0.65;  // depth error of a point of the ground
-constexpr double kMotionSigmas = 3.0;       // significance of a speed
-constexpr double kMotionWindow_s = 1.0;     // in which it is measured
-constexpr double kWalkingSpeed_mps = 1.4;   // Bohannon 1997
-constexpr double kVehicleSpeed_mps = 9.0;   // urban traffic
-constexpr double kSegmentsRatio = 1.5;      // beyond people's motion only lateral motion is seen
-constexpr double kPreferredRatio = 0.5;     // of the nearest visible ground: the top of an obstacle
-                                            // half as high as the camera leaves the image there
-constexpr double kDenseVoxelRatio = 150.0;  // of the reach of the dense map to its voxels
-constexpr double kDenseVoxelStep_m = 0.05;
+/// What is assumed of a camera whose calibration does not say it.
+struct MountingAssumptions {
+  double min_known_height_m = 0.05;  ///< a lower origin is the camera itself, not the ground
+  double height_m = 1.65;            ///< without known mounting: of KITTI's car
+  double low_mount_m = 1.0;          ///< below it a robot's camera, else a car's
+  double low_obstacle_m = 0.12;      ///< a robot's default: what its wheels do not pass
+  double high_obstacle_m = 0.3;      ///< a car's
+};
+
+/// What a detection needs (doc/rigs.md).
+struct DetectionNeeds {
+  double min_obstacle_px = 10.0;     ///< height in the image: no less than the matched block
+  double min_contrast_sigmas = 7.5;  ///< of an obstacle's top against the ground behind it
+  double max_depth_sigma_m = 0.45;   ///< of an obstacle: about two cells of the grid
+  double max_ground_sigma_m = 0.65;  ///< of a point of the ground: 25 m with a car's rig
+  double motion_sigmas = 3.0;        ///< significance of a speed
+  double motion_window_s = 1.0;      ///< in which it is measured
+  double walking_speed_mps = 1.4;    ///< Bohannon 1997
+  double vehicle_speed_mps = 9.0;    ///< of urban traffic
+  double segments_ratio = 1.5;       ///< of people_to_m: beyond, lateral motion alone is seen
+};
+
+/// Where stereo matching begins and how fine the dense map is.
+struct MatchingLimits {
+  double max_disparity_ratio = 0.2;  ///< of the image width: the rest of it is matched
+  double nearest_depth_m = 0.3;      ///< that depth cameras measure
+  double preferred_ratio = 0.5;      ///< of the nearest visible ground: the top of an obstacle half
+                                     ///< as high as the camera leaves the image there
+  double voxel_ratio = 150.0;        ///< of the reach of the dense map to its voxels
+  double voxel_step_m = 0.05;
+};
+
+constexpr MountingAssumptions kMounting;
+constexpr DetectionNeeds kNeeds;
+constexpr MatchingLimits kMatching;
 
 double rounded(double value) {
   const double step = value < 0.95 ? 0.1 : value < 9.75 ? 0.5 : value < 19.5 ? 1.0 : 5.0;
@@ -57,18 +72,19 @@ double depthOfSigma(const RigCapability& rig, double sigma_m) {
 
 /// Depth up to which a constant speed is significant.
 double motionReach(const RigCapability& rig, double speed, double rate_hz) {
-  const double frames = std::max(2.0, kMotionWindow_s * rate_hz);
-  const double max_depth_sigma = speed * kMotionWindow_s / kMotionSigmas / std::sqrt(12.0 / frames);
+  const double frames = std::max(2.0, kNeeds.motion_window_s * rate_hz);
+  const double max_depth_sigma =
+      speed * kNeeds.motion_window_s / kNeeds.motion_sigmas / std::sqrt(12.0 / frames);
   return depthOfSigma(rig, max_depth_sigma);
 }
 
 double obstacleReach(const RigCapability& rig, double focal) {
   const double h = rig.min_obstacle_height_m;
-  const double by_size = focal * h / kMinObstaclePx;
-  const double by_depth = depthOfSigma(rig, kMaxDepthSigma_m);
+  const double by_size = focal * h / kNeeds.min_obstacle_px;
+  const double by_depth = depthOfSigma(rig, kNeeds.max_depth_sigma_m);
   if (!rig.camera_height_known) return std::min(by_size, by_depth);
-  const double by_contrast =
-      rig.focal_baseline * h / rig.camera_height_m / (kMinContrastSigmas * rig.sigma_disparity_px);
+  const double by_contrast = rig.focal_baseline * h / rig.camera_height_m /
+                             (kNeeds.min_contrast_sigmas * rig.sigma_disparity_px);
   return std::min({by_size, by_contrast, by_depth});
 }
 
@@ -90,20 +106,23 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   rig.focal_baseline = camera.fx * camera.baseline_m;
   rig.sigma_disparity_px = assumptions.sigma_disparity_px;
   const double mounted = camera.T_robot_cam.translation().z();
-  rig.camera_height_known = mounted >= kMinKnownHeight_m;
-  rig.camera_height_m = rig.camera_height_known ? mounted : kAssumedHeight_m;
-  rig.meets_drops = rig.camera_height_m < kLowMount_m;
+  rig.camera_height_known = mounted >= kMounting.min_known_height_m;
+  rig.camera_height_m = rig.camera_height_known ? mounted : kMounting.height_m;
+  rig.meets_drops = rig.camera_height_m < kMounting.low_mount_m;
   rig.min_obstacle_height_m = assumptions.min_obstacle_height_m;
   if (rig.min_obstacle_height_m <= 0.0) {
-    rig.min_obstacle_height_m = rig.meets_drops ? kLowObstacle_m : kHighObstacle_m;
+    rig.min_obstacle_height_m =
+        rig.meets_drops ? kMounting.low_obstacle_m : kMounting.high_obstacle_m;
   }
   const bool is_depth = camera.isDepthCamera();
   const double by_disparity =
-      is_depth ? kNearestDepth_m : rig.focal_baseline / (kMaxDisparityRatio * camera.width);
+      is_depth ? kMatching.nearest_depth_m
+               : rig.focal_baseline / (kMatching.max_disparity_ratio * camera.width);
   const NearestGround ground = nearestGround(camera, rig.camera_height_m);
   const bool ground_in_view = std::isfinite(ground.depth_m);
-  const double nearest =
-      ground_in_view ? std::max(kPreferredRatio * ground.depth_m, by_disparity) : by_disparity;
+  const double nearest = ground_in_view
+                             ? std::max(kMatching.preferred_ratio * ground.depth_m, by_disparity)
+                             : by_disparity;
   rig.nearest_m = valueOr(assumptions.nearest_m, rounded(nearest));
   const double hidden = std::min(1.0, rig.min_obstacle_height_m / rig.camera_height_m);
   rig.obstacles_from_m = std::max(
@@ -111,22 +130,23 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   const auto reach = [&](double derived) {
     return is_depth ? std::min(rounded(derived), camera.depth_reach_m) : rounded(derived);
   };
-  rig.ground_to_m = reach(depthOfSigma(rig, kMaxGroundSigma_m));
+  rig.ground_to_m = reach(depthOfSigma(rig, kNeeds.max_ground_sigma_m));
   rig.obstacles_to_m = valueOr(assumptions.obstacles_to_m, reach(obstacleReach(rig, camera.fy)));
-  rig.high_obstacles_to_m = reach(depthOfSigma(rig, kMaxDepthSigma_m));
-  rig.people_to_m = reach(motionReach(rig, kWalkingSpeed_mps, assumptions.rate_hz));
-  rig.vehicles_to_m = valueOr(assumptions.vehicles_to_m,
-                              reach(motionReach(rig, kVehicleSpeed_mps, assumptions.rate_hz)));
-  const double segments_to_m = kSegmentsRatio * rig.people_to_m;
+  rig.high_obstacles_to_m = reach(depthOfSigma(rig, kNeeds.max_depth_sigma_m));
+  rig.people_to_m = reach(motionReach(rig, kNeeds.walking_speed_mps, assumptions.rate_hz));
+  rig.vehicles_to_m =
+      valueOr(assumptions.vehicles_to_m,
+              reach(motionReach(rig, kNeeds.vehicle_speed_mps, assumptions.rate_hz)));
+  const double segments_to_m = kNeeds.segments_ratio * rig.people_to_m;
   rig.segments_to_m =
       valueOr(assumptions.segments_to_m,
               is_depth ? std::min(segments_to_m, camera.depth_reach_m) : segments_to_m);
   rig.grid_spacing_m =
       valueOr(assumptions.grid_spacing_m, std::clamp(rig.obstacles_to_m / 20.0, 0.2, 1.0));
   rig.dense_to_m = valueOr(assumptions.dense_to_m, rig.high_obstacles_to_m);
-  const double voxels = std::round(rig.dense_to_m / kDenseVoxelRatio / kDenseVoxelStep_m);
+  const double voxels = std::round(rig.dense_to_m / kMatching.voxel_ratio / kMatching.voxel_step_m);
   rig.dense_voxel_m =
-      valueOr(assumptions.dense_voxel_m, std::clamp(kDenseVoxelStep_m * voxels, 0.05, 0.1));
+      valueOr(assumptions.dense_voxel_m, std::clamp(kMatching.voxel_step_m * voxels, 0.05, 0.1));
   rig.dense_spacing_m =
       valueOr(assumptions.dense_spacing_m, std::clamp(rig.dense_to_m / 24.0, 0.25, 1.0));
   return rig;

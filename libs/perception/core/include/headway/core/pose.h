@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 namespace headway {
 
@@ -9,6 +10,8 @@ namespace headway {
 ///
 /// The resolution of a double is 0.24 µs for current Unix times, finer than any camera's clock.
 using Time = double;
+
+inline constexpr double kDegree = M_PI / 180.0;  ///< [rad]
 
 /// Rigid motion; a variable `T_a_b` maps points of frame b into frame a.
 using Pose = Eigen::Isometry3d;

@@ -9,6 +9,14 @@ namespace headway {
 
 [[nodiscard]] constexpr double square(double x) { return x * x; }
 
+/// What 99 % of the sums of so many squared normal residuals are below: the chi-square quantile.
+///
+/// @param degrees_of_freedom  1, 2 or 3
+[[nodiscard]] constexpr double chiSquare99(int degrees_of_freedom) {
+  constexpr double kQuantiles[] = {6.63, 9.21, 11.34};
+  return kQuantiles[degrees_of_freedom - 1];
+}
+
 /// Percentile of the samples by nearest rank, `fraction` in [0, 1]; 0 if there are none.
 [[nodiscard]] double percentile(std::vector<double> samples, double fraction);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -30,6 +31,12 @@ void requestStop(int reason) noexcept;
 
 /// Whether there is a request.
 [[nodiscard]] inline bool stopRequested() noexcept { return stopRequest() != 0; }
+
+/// Whether a result is there: a std::future or std::shared_future that is valid.
+template <typename Future>
+[[nodiscard]] bool isReady(const Future& result) {
+  return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
 
 /// One thread that does work in the order in which it is given.
 ///

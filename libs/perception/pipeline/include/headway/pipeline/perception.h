@@ -43,7 +43,7 @@ struct RuntimeParams {
   double max_box_range_m = std::numeric_limits<double>::infinity();
 };
 
-struct JointMap;  // see joint_map.h
+struct JointMap;
 
 /// A part of the map that is not joined to the rest.
 struct Submap {

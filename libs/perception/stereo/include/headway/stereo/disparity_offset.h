@@ -7,6 +7,13 @@
 
 namespace headway::stereo {
 
+/// A calibration rectifies a pair to about so much in its disparities: the standard deviation of
+/// their offset before anything is measured [px].
+inline constexpr double kRectificationSigma_px = 0.5;
+
+/// Ratio of the information of a frame's points that counts: they share the errors of its images.
+inline constexpr double kIndependentRatio = 0.05;
+
 /// What the observations of one static point from known camera poses tell about the disparities'
 /// offset, with the point's position marginalised out.
 struct OffsetEvidence {
@@ -40,7 +47,7 @@ class DisparityOffset {
 
  private:
   double value_ = 0.0;
-  double variance_ = 0.25;  ///< [px^2]; rectified pairs are accurate to half a pixel
+  double variance_ = kRectificationSigma_px * kRectificationSigma_px;  ///< [px^2]
 };
 
 }  // namespace headway::stereo

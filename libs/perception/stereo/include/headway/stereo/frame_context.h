@@ -16,6 +16,9 @@
 
 namespace headway::stereo {
 
+/// @throws InputError if an image is not 8-bit grey (disparities: 32-bit) and of the camera's size
+void requireImages(const StereoFrame& frame, const StereoCamera& camera);
+
 /// What SLAM and the detectors compute of one stereo frame, each value once and when first used.
 ///
 /// A handle: copies share the values. Which values are used, when, and whether matching was started

@@ -11,6 +11,9 @@
 
 namespace headway::stereo {
 
+/// What is lower than this ratio of the minimum obstacle height is ground, by stereo and by lasers.
+inline constexpr double kGroundRatio = 0.5;
+
 /// The ground before the camera, as a plane in the camera frame.
 ///
 /// Defines what is ground for the search of the plane, the grid, the detection of moving objects

@@ -27,6 +27,9 @@ using Tangent = Eigen::Matrix<double, 6, 1>;
 /// @see        Sola et al. 2018, "A micro Lie theory", eq. 144
 [[nodiscard]] Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& phi);
 
+/// Nearer points are not compared: their derivatives grow without bound [m].
+inline constexpr double kMinDepth = 0.05;
+
 /// One landmark as measured in one frame.
 struct StereoMeasurement {
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();  ///< left image [px]
