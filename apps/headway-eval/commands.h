@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The sub-commands of headway-eval, and the output files that they have in common.
 #pragma once
 
 #include <headway/program/command_line.h>
 
 #include <functional>
+#include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 #include <opencv2/core/mat.hpp>
 #include <string>
-#include <vector>
 
 namespace headway::app {
 
@@ -26,12 +27,13 @@ int runSuite(int argc, const char** argv);
 /// Options for output files, common to all sub-commands.
 class Outputs {
  public:
-  /// Adds the options --json, --plot and -w.
-  void describe(program::CommandLine& line);
-
-  /// @param inputs  files that are read
+  /// Adds --json, --plot and -w to a command line, and reads it.
+  ///
+  /// @param inputs  targets of the options for files that are read
+  /// @return false if the program has nothing more to do
   /// @throws InputError if a file exists and -w is not given, or is an input
-  void requireWritable(const std::vector<std::string>& inputs) const;
+  [[nodiscard]] bool parse(program::CommandLine& line, int argc, const char** argv,
+                           std::initializer_list<const std::string*> inputs);
 
   /// Computes and writes only the requested files.
   ///
@@ -40,11 +42,13 @@ class Outputs {
              const std::function<cv::Mat()>& plot) const;
 
   [[nodiscard]] bool overwrite() const { return overwrite_; }
+  [[nodiscard]] bool quiet() const { return quiet_; }
 
  private:
   std::string json_;
   std::string plot_;
   bool overwrite_ = false;
+  bool quiet_ = false;
 };
 
 }  // namespace headway::app

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// headway-eval suite: all worlds simulated, replayed and evaluated, here or by headway-fleet.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/io/degrade.h>
-#include <headway/program/data_files.h>
+#include <headway/pipeline/perception.h>
+#include <headway/program/files.h>
 #include <headway/program/progress.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,16 +17,71 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "commands.h"
-#include "suite_jobs.h"
 #include "suite_report.h"
-#include "suite_runs.h"
+#include "suite_worlds.h"
 
 namespace headway::app {
+
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Worlds that headway-fleet simulates and replays, a job each.
+struct WorldJobs {
+  std::vector<std::string> worlds;  ///< .ini files
+  std::string folder;               ///< of recordings and runs, as of the suite
+  std::optional<std::size_t> max_frames;
+  int at_once = 1;      ///< cores here, or jobs with a profile
+  std::string profile;  ///< of Snakemake; empty: here
+  bool quiet = false;
+};
+
+/// Runs a program to its end; its exit status, or 128 + signal.
+int run(const std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (posix_spawn(&child, words.front().c_str(), nullptr, nullptr, arguments.data(), environ) !=
+      0) {
+    throw InputError(words.front() + ": cannot be run; it is installed with headway-eval");
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+std::string textOf(pipeline::PerceptionParams perception) {
+  Params params;
+  perception.describe(params);
+  return program::textOf(params);
+}
+
+/// Runs all jobs by the headway-fleet beside this program; those whose results exist are not run
+/// again. The parameters are written to `suite.ini` in the folder.
+///
+/// @throws InputError if headway-fleet is missing or a job failed, which it reports itself
+void runWorldJobs(const WorldJobs& jobs, const pipeline::PerceptionParams& perception) {
+  fs::create_directories(jobs.folder);
+  const fs::path parameters = fs::path(jobs.folder) / "suite.ini";
+  writeFile(parameters, textOf(perception));
+  const fs::path programs = fs::read_symlink("/proc/self/exe").parent_path();
+  std::vector<std::string> words = {(programs / "headway-fleet").string(), "--suite"};
+  words.insert(words.end(), jobs.worlds.begin(), jobs.worlds.end());
+  for (const std::string& word :
+       {std::string("-o"), jobs.folder, std::string("-c"), parameters.string(), std::string("-j"),
+        std::to_string(jobs.at_once), std::string("--programs"), programs.string()}) {
+    words.push_back(word);
+  }
+  if (!jobs.profile.empty()) words.insert(words.end(), {"--profile", jobs.profile});
+  if (jobs.max_frames) words.insert(words.end(), {"--frames", std::to_string(*jobs.max_frames)});
+  if (jobs.quiet) words.emplace_back("-q");
+  if (run(words) != 0) throw InputError(jobs.folder + ": not all worlds were replayed; see above");
+}
 
 constexpr std::size_t kQuickFrames = 80;  // 2 s of history, 3 s of future and 3 s of cases at 10 Hz
 
@@ -37,7 +97,6 @@ struct SuiteOptions {
   std::string kitti;
   std::string degrade;
   pipeline::PerceptionParams perception;
-  bool quiet = false;
   Outputs outputs;
 };
 
@@ -92,13 +151,10 @@ bool parseSuite(SuiteOptions& options, int argc, const char** argv) {
   line.option(options.degrade, 0, "degrade", "FILE.ini",
               "Also evaluate positions on degraded KITTI boxes, seeds 1 to 5");
   line.parameters(params);
-  options.outputs.describe(line);
-  if (!line.parse(argc, argv)) return false;
+  if (!options.outputs.parse(line, argc, argv, {})) return false;
   checkTogether(options);
   options.worlds = program::findDataFile(options.worlds);
   options.degrade = program::findDataFile(options.degrade);
-  options.quiet = line.quiet();
-  options.outputs.requireWritable({});
   program::requireWritable(options.folder, options.outputs.overwrite() || options.reuse);
   return true;
 }
@@ -122,7 +178,7 @@ class Suite {
  public:
   explicit Suite(const SuiteOptions& options)
       : options_(options),
-        progress_("suite", options.quiet || options.jobs > 0),
+        progress_("suite", options.outputs.quiet() || options.jobs > 0),
         files_(worldFiles(options.worlds)),
         worlds_(worldSources(files_)) {
     max_frames_ = options.frames;
@@ -145,9 +201,9 @@ class Suite {
 
   [[nodiscard]] std::vector<SuiteEntry> run() {
     if (options_.jobs > 0 && !files_.empty()) {
-      runWorldJobs(
-          {files_, options_.folder, max_frames_, options_.jobs, options_.profile, options_.quiet},
-          options_.perception);
+      runWorldJobs({files_, options_.folder, max_frames_, options_.jobs, options_.profile,
+                    options_.outputs.quiet()},
+                   options_.perception);
     }
     for (const auto& source : worlds_) {
       if (!program::interrupted()) evaluateWorld(source);
@@ -286,7 +342,7 @@ int runSuite(int argc, const char** argv) {
   OutputFile file(fs::path(options.folder) / "suite.md");
   writeSuite(file.stream(), entries);
   file.commit();
-  if (!options.quiet) writeSuite(std::cout, entries);
+  if (!options.outputs.quiet()) writeSuite(std::cout, entries);
   options.outputs.write([&] { return suiteFigures(entries); }, [&] { return suitePlot(entries); });
   return program::kDone;
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Object tracking on the recordings of the suite, and the tables of all errors.
 #pragma once
 
+#include <headway/eval/labelled_frames.h>
+#include <headway/eval/prediction_error.h>
 #include <headway/eval/track_error.h>
-#include <headway/plot/text_table.h>
+#include <headway/objects/objects_params.h>
 
-#include <array>
 #include <nlohmann/json_fwd.hpp>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -12,10 +14,31 @@
 #include <utility>
 #include <vector>
 
-#include "suite_objects.h"
 #include "suite_worlds.h"
 
 namespace headway::app {
+
+/// Predictor name -> its accumulated errors.
+using PredictorEvaluators = std::vector<std::pair<std::string, eval::PredictionEvaluator>>;
+
+/// Output of object tracking on one recording, or on several together, with the truth.
+struct ObjectFigures {
+  std::vector<eval::LabelledSequence> raw;     ///< detections and truth
+  std::vector<eval::LabelledSequence> tracks;  ///< tracks and truth
+  PredictorEvaluators on_tracks;               ///< predictions of headway's tracks
+  PredictorEvaluators on_truth;                ///< predictions from exact histories
+};
+
+/// Runs object tracking once: detections, tracks and truth, without predictions.
+[[nodiscard]] ObjectFigures runTracks(const ObjectRecording& recording,
+                                      const objects::ObjectsParams& params);
+
+/// Runs object tracking with every predictor.
+[[nodiscard]] ObjectFigures runObjects(const ObjectRecording& recording,
+                                       const objects::ObjectsParams& params);
+
+/// Appends the recordings of another set.
+void add(const ObjectFigures& other, ObjectFigures& together);
 
 /// Values of slam.dynamic_rejection.
 struct Rejection {
@@ -32,12 +55,15 @@ struct CameraFigures {
   std::optional<eval::TrajectoryError> error;
 };
 
+/// Predictor name -> its errors.
+using PredictorErrors = std::vector<std::pair<std::string, eval::PredictionErrors>>;
+
 /// Object errors on one recording, or on several together.
 struct ObjectErrors {
   eval::TrackErrors raw;
   eval::TrackErrors tracks;
-  std::vector<std::pair<std::string, eval::PredictionErrors>> on_tracks;  ///< by predictor
-  std::vector<std::pair<std::string, eval::PredictionErrors>> on_truth;
+  PredictorErrors on_tracks;
+  PredictorErrors on_truth;
 };
 [[nodiscard]] ObjectErrors evaluateObjects(const ObjectFigures& figures);
 
@@ -49,20 +75,6 @@ struct SuiteEntry {
   bool in_plot = true;
   bool is_group = false;  ///< several recordings, evaluated as one set
 };
-
-/// The paper's Table I: RMSE / mean / SD of the camera's position.
-[[nodiscard]] plot::TextTable cameraTable(const std::vector<SuiteEntry>& entries);
-/// The paper's Table II: ADE / FDE, a column for each predictor.
-///
-/// @param figures  on_tracks or on_truth
-[[nodiscard]] plot::TextTable predictionTable(
-    const std::vector<SuiteEntry>& entries,
-    std::vector<std::pair<std::string, eval::PredictionErrors>> ObjectErrors::*figures);
-/// All predictors on one set of recordings: errors and the ratio inside the 90 % ellipse, on exact
-/// histories and on headway's tracks.
-[[nodiscard]] plot::TextTable predictorTable(const ObjectErrors& errors);
-/// The paper's Table III: positions of raw detections and of tracks.
-[[nodiscard]] plot::TextTable objectTable(const std::vector<SuiteEntry>& entries);
 
 /// All tables with their headings, as Markdown.
 void writeSuite(std::ostream& out, const std::vector<SuiteEntry>& entries);

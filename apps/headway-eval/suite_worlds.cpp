@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recordings of the suite: simulated worlds, runs of the pipeline over them, KITTI sequences.
 #include "suite_worlds.h"
 
+#include <headway/core/byte_archive.h>
 #include <headway/core/error.h>
+#include <headway/core/output_file.h>
+#include <headway/core/version.h>
 #include <headway/core/worker_thread.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/io/dataset.h>
+#include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/program/command_line.h>
+#include <headway/program/files.h>
 #include <headway/run/session.h>
 #include <headway/sim/recording.h>
 #include <headway/sim/rigs.h>
@@ -14,9 +21,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <future>
-#include <sstream>
 
 namespace headway::app {
 namespace {
@@ -37,12 +42,6 @@ struct WorldSettings {
   WorldSettings(const WorldSettings&) = delete;
   WorldSettings& operator=(const WorldSettings&) = delete;
 
-  [[nodiscard]] std::string text() const {
-    std::ostringstream text;
-    params.print(text);
-    return text.str();
-  }
-
   sim::SimParams values;
   Params params;
 };
@@ -57,6 +56,28 @@ World plannedWorld(const WorldSettings& settings, const WorldSource& source,
   world.rawlog = (fs::path(folder) / (world.name + ".rawlog")).string();
   world.truth_folder = sim::truthFolder(world.rawlog);
   return world;
+}
+
+/// A world's recording without frames: name and camera.
+ObjectRecording describedRecording(const World& world, const StereoCamera& camera) {
+  ObjectRecording recording;
+  recording.name = world.name;
+  recording.camera = camera;
+  recording.T_robot_cam = camera.T_robot_cam;
+  return recording;
+}
+
+/// Adds to a run's estimate and frames the error and the labels, from the world's truth.
+void evaluate(const World& world, WorldRun& run) {
+  constexpr std::size_t kMinPoses = 3;  // for an alignment
+  if (run.estimate.size() >= kMinPoses) {
+    const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
+    run.error = eval::trajectoryError(eval::pairByTime(truth, run.estimate, kSameTime_s), {});
+  }
+  // An empty file is the truth of a place in which no object came into view.
+  const std::string labels = world.truth_folder + "/label_02.txt";
+  if (fs::file_size(labels) > 0) run.objects.labels = eval::readLabels(labels);
+  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
 }
 
 WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const FrameDone& done) {
@@ -86,6 +107,70 @@ WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const Fr
   return run;
 }
 
+/// What a replay adds to a frame of the recording.
+struct StoredFrame {
+  bool has_detections = false;
+  Pose T_map_robot = Pose::Identity();
+};
+
+struct StoredRun {
+  std::size_t lost = 0;
+  std::vector<Stamped<Pose>> estimate;
+  std::vector<StoredFrame> frames;
+};
+
+fs::path fileOf(const World& world) { return fs::path(world.rawlog).replace_extension(".runs"); }
+
+Pose readPose(ByteReader& in) {
+  Pose pose;
+  pose.matrix() = in.finiteMatrix<Eigen::Matrix4d>();
+  return pose;
+}
+
+StoredRun readRun(ByteReader& in) {
+  StoredRun run;
+  run.lost = in.value<std::uint64_t>();
+  run.estimate = in.list<Stamped<Pose>>([](ByteReader& from) {
+    const auto time = from.finiteValue<Time>();
+    return Stamped<Pose>{time, readPose(from)};
+  });
+  run.frames = in.list<StoredFrame>([](ByteReader& from) {
+    const bool has_detections = from.value<std::uint8_t>() != 0;
+    return StoredFrame{has_detections, readPose(from)};
+  });
+  return run;
+}
+
+void writeRun(const WorldRun& run, ByteWriter& out) {
+  out.count(run.lost);
+  out.count(run.estimate.size());
+  for (const auto& [time, T_map_robot] : run.estimate) {
+    out.value(time);
+    out.matrix(T_map_robot.matrix());
+  }
+  out.count(run.objects.frames.size());
+  for (const auto& frame : run.objects.frames) {
+    out.value<std::uint8_t>(frame.detections ? 1 : 0);
+    out.matrix(frame.T_map_robot.value().matrix());
+  }
+}
+
+/// The world's frames with the poses of a run, without images.
+ObjectRecording recordingOf(const World& world, const StoredRun& run) {
+  io::RawlogSource source(world.rawlog, {});
+  ObjectRecording recording = describedRecording(world, *source.camera());
+  for (const auto& stored : run.frames) {
+    auto frame = source.next();
+    if (!frame)
+      throw InputError(world.rawlog + ": has fewer frames than " + fileOf(world).string());
+    frame->stereo.reset();
+    frame->T_map_robot = stored.T_map_robot;
+    if (!stored.has_detections) frame->detections.reset();
+    recording.frames.push_back(std::move(*frame));
+  }
+  return recording;
+}
+
 }  // namespace
 
 std::vector<WorldSource> worldSources(const std::vector<std::string>& files) {
@@ -111,7 +196,7 @@ World simulateWorld(const WorldSource& source, const std::string& folder,
   World world = plannedWorld(settings, source, folder);
   sim::Simulator simulator(settings.values);
   sim::Recording recording(world.rawlog, settings.values.recording, {}, simulator.camera(),
-                           simulator.recordedCamera(), settings.text());
+                           simulator.recordedCamera(), program::textOf(settings.params));
   bool proceed = true;
   while (proceed) {
     const auto frame = simulator.next();
@@ -128,10 +213,10 @@ std::optional<World> existingWorld(const WorldSource& source, const std::string&
                                    std::optional<std::size_t> max_frames) {
   WorldSettings settings(source, max_frames);
   World world = plannedWorld(settings, source, folder);
-  std::ifstream world_ini(fs::path(world.truth_folder) / "world.ini");
-  std::ostringstream text;
-  text << world_ini.rdbuf();
-  if (!fs::exists(world.rawlog) || text.str() != settings.text()) return std::nullopt;
+  const fs::path ini = fs::path(world.truth_folder) / "world.ini";
+  if (!fs::exists(world.rawlog) || !fs::exists(ini) ||
+      program::readFile(ini) != program::textOf(settings.params))
+    return std::nullopt;
   world.frames = io::readTum(world.truth_folder + "/trajectory.tum").size();
   return world;
 }
@@ -154,26 +239,6 @@ std::vector<WorldRun> runWorld(const World& world,
   return runs;
 }
 
-ObjectRecording describedRecording(const World& world, const StereoCamera& camera) {
-  ObjectRecording recording;
-  recording.name = world.name;
-  recording.camera = camera;
-  recording.T_robot_cam = camera.T_robot_cam;
-  return recording;
-}
-
-void evaluate(const World& world, WorldRun& run) {
-  constexpr std::size_t kMinPoses = 3;  // for an alignment
-  if (run.estimate.size() >= kMinPoses) {
-    const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
-    run.error = eval::trajectoryError(eval::pairByTime(truth, run.estimate, kSameTime_s), {});
-  }
-  // An empty file is the truth of a place in which no object came into view.
-  const std::string labels = world.truth_folder + "/label_02.txt";
-  if (fs::file_size(labels) > 0) run.objects.labels = eval::readLabels(labels);
-  run.objects.labels.resize(std::min(run.objects.labels.size(), run.objects.frames.size()));
-}
-
 std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
   const fs::path labels = fs::path(folder) / "training" / "label_02";
   if (!fs::is_directory(labels)) throw InputError(labels.string() + ": no such folder");
@@ -194,6 +259,42 @@ std::vector<ObjectRecording> readKittiTracking(const std::string& folder) {
     recordings.push_back(std::move(recording));
   }
   return recordings;
+}
+
+void writeRuns(const World& world, const std::string& parameters,
+               const std::vector<WorldRun>& runs) {
+  ByteWriter out;
+  out.text(kVersion);
+  out.text(parameters);
+  out.count(runs.size());
+  for (const auto& run : runs) writeRun(run, out);
+  writeFile(fileOf(world), out.bytes);
+}
+
+std::vector<WorldRun> readRuns(const World& world, const std::string& parameters) {
+  const fs::path path = fileOf(world);
+  if (!fs::exists(path)) {
+    throw InputError(path.string() + ": cannot be read; it is left by suite --only-runs");
+  }
+  const std::string content = program::readFile(path);
+  ByteReader in(content);
+  try {
+    if (in.text() != kVersion || in.text() != parameters) {
+      throw InputError("is of another version or of other parameters");
+    }
+    const auto stored = in.list<StoredRun>(readRun);
+    std::vector<WorldRun> runs;
+    for (const auto& run : stored) {
+      runs.push_back({});
+      runs.back().lost = run.lost;
+      runs.back().estimate = run.estimate;
+      if (&run == &stored.back()) runs.back().objects = recordingOf(world, run);
+      evaluate(world, runs.back());
+    }
+    return runs;
+  } catch (const InputError& error) {
+    throw InputError(path.string() + ": " + error.what());
+  }
 }
 
 }  // namespace headway::app

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Recordings of the suite: simulated worlds, runs of the pipeline over them, KITTI sequences.
 #pragma once
 
 #include <headway/core/recorded_frame.h>
@@ -82,15 +83,23 @@ struct WorldRun {
                                              const std::vector<pipeline::PerceptionParams>& params,
                                              const FrameDone& done, std::size_t threads);
 
-/// A world's recording without frames: name and camera.
-[[nodiscard]] ObjectRecording describedRecording(const World& world, const StereoCamera& camera);
-
-/// Adds to a run's estimate and frames the error and the labels, from the world's truth.
-void evaluate(const World& world, WorldRun& run);
-
 /// Sequences of the KITTI tracking benchmark with PointRCNN boxes.
 ///
 /// @param folder  contains `training/`
 [[nodiscard]] std::vector<ObjectRecording> readKittiTracking(const std::string& folder);
+
+/// Stores the runs of a world as `NAME.runs` beside its rawlog, for an evaluation elsewhere: poses
+/// only; frames and detections are in the rawlog.
+///
+/// @param parameters  those of the runs, as text
+/// @throws InputError if the file cannot be written
+void writeRuns(const World& world, const std::string& parameters,
+               const std::vector<WorldRun>& runs);
+
+/// The runs as they were stored, bit by bit; `objects` of the last one only.
+///
+/// @param parameters  those that the runs must have
+/// @throws InputError if the file is missing or damaged, or of another version or parameters
+[[nodiscard]] std::vector<WorldRun> readRuns(const World& world, const std::string& parameters);
 
 }  // namespace headway::app

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// headway-eval trajectory: an estimated trajectory against the true one.
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/labelled_frames.h>
@@ -10,7 +11,6 @@
 
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "commands.h"
 
@@ -27,7 +27,6 @@ struct TrajectoryOptions {
   std::string align = "se3";
   std::string segments = "100,200,300,400,500,600,700,800";
   double max_difference_s = 0.02;
-  bool quiet = false;
   Outputs outputs;
 };
 
@@ -50,8 +49,7 @@ eval::Alignment alignmentFrom(const std::string& name) {
 
 std::vector<double> segmentLengthsFrom(const std::string& list) {
   std::vector<double> lengths;
-  std::istringstream words(list);
-  for (std::string word; std::getline(words, word, ',');) {
+  for (const std::string& word : program::split(list)) {
     char* end = nullptr;
     const double length = std::strtod(word.c_str(), &end);
     if (word.empty() || *end != '\0' || !(length > 0.0)) {
@@ -106,11 +104,7 @@ bool parseTrajectory(TrajectoryOptions& options, int argc, const char** argv) {
               "Lengths of the KITTI path segments [m]; default 100,200,...,800");
   line.option(options.max_difference_s, 0, "max-difference", "S",
               "Maximum time difference of paired poses [s]; default 0.02");
-  options.outputs.describe(line);
-  if (!line.parse(argc, argv)) return false;
-  options.quiet = line.quiet();
-  options.outputs.requireWritable({options.truth, options.estimate});
-  return true;
+  return options.outputs.parse(line, argc, argv, {&options.truth, &options.estimate});
 }
 
 eval::TrajectoryError compare(const TrajectoryOptions& options, PoseFormat format) {
@@ -128,7 +122,7 @@ int runTrajectory(int argc, const char** argv) {
   if (!parseTrajectory(options, argc, argv)) return program::kDone;
   const PoseFormat format = formatFrom(options);
   const auto error = compare(options, format);
-  if (!options.quiet) plot::writeTable(std::cout, eval::tableOf(error));
+  if (!options.outputs.quiet()) plot::writeTable(std::cout, eval::tableOf(error));
   const auto plot = [&] {
     const auto view = format == PoseFormat::kKitti ? eval::TopView::kXz : eval::TopView::kXy;
     return eval::trajectoryPlot(error, view,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The MCAP format: chunks of timed messages with their indices.
 #include "mcap_writer.h"
 
 #include <headway/core/error.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The MCAP format: chunks of timed messages with their indices.
 #pragma once
 
 #include <headway/core/output_file.h>

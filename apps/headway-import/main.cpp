@@ -1,48 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// headway-import: converts a dataset to a rawlog.
-#include <headway/core/text.h>
-#include <headway/program/command_line.h>
-#include <headway/program/progress.h>
-
-#include <iostream>
-
-#include "check_command.h"
-#include "importer.h"
-#include "rosbag_command.h"
-
-namespace headway::import {
-namespace {
-
-void report(const ImportOptions& options, const ImportSummary& summary) {
-  std::cout << options.output << ": " << summary.frames << " frames"
-            << (summary.interrupted ? ", interrupted" : "");
-  for (const auto& [reason, count] : summary.dropped) {
-    std::cout << ", skipped " << printable(reason) << " " << count;
-  }
-  std::cout << std::endl;
-}
-
-int runImport(int argc, const char** argv) {
-  if (argc > 1 && std::string(argv[1]) == "rosbag") return runRosbag(argc, argv);
-  if (argc > 1 && std::string(argv[1]) == "rawlog") return runRawlog(argc, argv);
-  auto options = parseOptions(argc, argv);
-  if (!options) return program::kDone;
-  const ImportOutput output(options->output, options->check);
-  options->output = output.path();
-  program::requireWritable(options->output, options->overwrite,
-                           {options->detections, options->poses});
-  const auto dataset = openDataset(*options);
-  program::catchInterrupts();
-  const auto summary = importDataset(*dataset, *options);
-  if (!options->quiet) report(*options, summary);
-  return options->check ? checkRawlog(options->output) : program::kDone;
-}
-
-}  // namespace
-}  // namespace headway::import
+// headway-import: converts datasets to rawlogs, and checks recordings.
+#include "commands.h"
 
 int main(int argc, char** argv) {
-  return headway::program::run("headway-import", [&] {
-    return headway::import::runImport(argc, const_cast<const char**>(argv));
+  using namespace headway;
+  const auto dataset = [](const std::string& name, const std::string& about) {
+    const auto run = [name, about](int count, const char** arguments) {
+      return import::runDataset(name, about, count, arguments);
+    };
+    return program::Subcommand{name, about, run};
+  };
+  return program::run("headway-import", [&] {
+    return program::runSubcommand(
+        argc, const_cast<const char**>(argv),
+        "Converts datasets to rawlogs, and checks recordings.",
+        {dataset("kitti-odometry", "Converts a sequence of KITTI's odometry benchmark to a rawlog"),
+         dataset("kitti-raw", "Converts a drive of KITTI's raw data to a rawlog"),
+         dataset("kitti-tracking", "Converts a sequence of KITTI's tracking benchmark to a rawlog"),
+         dataset("euroc", "Converts a flight of the EuRoC dataset to a rawlog"),
+         dataset("tum-rgbd", "Converts a sequence of TUM's RGB-D benchmark to a rawlog"),
+         dataset("images", "Converts folders of images of a stereo or depth camera to a rawlog"),
+         {"rosbag", "Converts a bag of ROS 1 or ROS 2 to a rawlog", import::runRosbag},
+         {"rawlog", "Checks a rawlog", import::runRawlog}});
   });
 }

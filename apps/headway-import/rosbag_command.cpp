@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rosbag_command.h"
-
+// headway-import rosbag: topics of a bag of ROS, and its conversion to a rawlog.
 #include <headway/bags/bag_import.h>
 #include <headway/core/error.h>
 #include <headway/core/text.h>
-#include <headway/program/command_line.h>
+#include <headway/program/files.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
 #include <iostream>
 
-#include "check_command.h"
+#include "commands.h"
+#include "recording_check.h"
 
 namespace headway::import {
 namespace {
@@ -42,7 +42,6 @@ void addTopics(program::CommandLine& line, bags::BagWishes& wishes) {
 
 std::optional<RosbagOptions> parseRosbag(int argc, const char** argv) {
   RosbagOptions options;
-  (void)takeSubcommand(argc, argv);
   program::CommandLine line("headway-import rosbag",
                             "Converts a bag of ROS 1 (.bag) or ROS 2 (.mcap, .db3, or its folder) "
                             "to a rawlog; topics that are not given are guessed.");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The page of a live run.
 #pragma once
 
 #include <headway/drivers/sensor_group.h>

@@ -9,6 +9,7 @@
 #include <headway/io/raw_camera.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/program/command_line.h>
+#include <headway/program/files.h>
 #include <headway/program/progress.h>
 #include <mrpt/config/CConfigFile.h>
 #include <mrpt/system/os.h>
@@ -86,13 +87,7 @@ void check(const LiveOptions& options) {
   if (!(options.pair_tolerance_s >= 0.0)) {
     throw UsageError("--pair-tolerance must not be negative");
   }
-  if (!options.run.detector.empty()) {
-    try {
-      pipeline::checkDetectorNames(options.run.detector);
-    } catch (const InputError& error) {
-      throw UsageError(std::string("--detector: ") + error.what());
-    }
-  }
+  if (!options.run.detector.empty()) replay::checkDetector(options.run.detector);
   if (options.show_port && *options.show_port > 65535) {
     throw UsageError("--show: ports are 0 to 65535");
   }

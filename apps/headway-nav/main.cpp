@@ -1,23 +1,65 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// headway-nav: trials of a robot among people, driven by each policy of obstacles.
+#include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/program/command_line.h>
+#include <headway/program/files.h>
 #include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <set>
-#include <sstream>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "policy_figures.h"
-#include "recording.h"
-#include "top_view.h"
+#include "trial_pictures.h"
 
 namespace headway::app {
+
 namespace {
+
+constexpr double kPicturesPerSecond = 20.0;
+
+double endOf(const std::vector<TrialRecord>& records) {
+  double end_s = 0.0;
+  for (const auto& record : records) end_s = std::max(end_s, record.moments.back().time_s);
+  return end_s;
+}
+
+/// Path of a trial's files without their endings: `FOLDER/trial_NNNN`.
+std::string recordingName(const std::string& folder, int seed) {
+  return folder + cv::format("/trial_%04d", seed);
+}
+
+/// Writes `FOLDER/trial_NNNN.mp4` and `FOLDER/trial_NNNN.png` of one trial, all policies side
+/// by side. Without an encoder, the video is a folder of numbered pictures.
+///
+/// @return          the files written
+/// @throws InputError if the folder cannot be written
+std::vector<std::string> writeRecording(const std::vector<TrialRecord>& records,
+                                        const RobotParams& robot, int seed,
+                                        const std::string& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw InputError(folder + ": cannot be created (" + failed.message() + ")");
+  const std::string name = recordingName(folder, seed);
+  program::writePicture(name + ".png", drawWhole(records, robot));
+
+  const int count = static_cast<int>((endOf(records) + 1.0) * kPicturesPerSecond);
+  const cv::Size size = drawMoment(records, robot, 0.0).size();
+  program::VideoOutput video(name + ".mp4", kPicturesPerSecond, size, true,
+                             [](const std::string&) {});  // the returned path shows it
+  for (int i = 0; i < count; ++i) video.add(drawMoment(records, robot, i / kPicturesPerSecond));
+  video.finish();
+  return {name + ".png", video.path()};
+}
 
 struct Options {
   int trials = 20;
@@ -45,8 +87,7 @@ std::vector<nav::ObstaclePolicy> chosenPolicies(const std::string& name) {
 /// Numbers of the trials to be filmed, from 1.
 std::set<int> filmedTrials(const std::string& list) {
   std::set<int> trials;
-  std::istringstream words(list);
-  for (std::string word; std::getline(words, word, ',');) {
+  for (const std::string& word : program::split(list)) {
     char* end = nullptr;
     const long trial = std::strtol(word.c_str(), &end, 10);
     if (word.empty() || *end != '\0' || trial < 1) {
@@ -68,10 +109,6 @@ void requireWritable(const Options& options) {
     program::requireWritable(name + ".png", options.overwrite);
     program::requireWritable(name + ".mp4", options.overwrite);
   }
-}
-
-void writeJson(const std::string& path, const std::vector<PolicyFigures>& figures) {
-  writeFile(path, toJson(figures).dump(2) + "\n");
 }
 
 /// Runs one trial with each policy.
@@ -100,7 +137,7 @@ void report(const Options& options, const std::vector<PolicyTrials>& policies,
     print(std::cout, figures);
     for (const auto& file : written) std::cout << "wrote " << file << '\n';
   }
-  if (!options.json.empty()) writeJson(options.json, figures);
+  if (!options.json.empty()) writeFile(options.json, toJson(figures).dump(2) + "\n");
 }
 
 /// Declares the options.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Figures of the trials of each policy.
 #include "policy_figures.h"
 
 #include <headway/core/statistics.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Figures of the trials of each policy.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A finished replay, read from its folder or from its map alone.
 #include "finished_replay.h"
 
 #include <headway/core/error.h>

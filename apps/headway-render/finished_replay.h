@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A finished replay, read from its folder or from its map alone.
 #pragma once
 
 #include <headway/core/stereo_camera.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Several recordings of one camera, replayed into one map.
 #include "recordings.h"
 
 #include <headway/core/error.h>
@@ -20,7 +21,7 @@
 #include <utility>
 
 #include "recording_names.h"
-#include "results.h"
+#include "result_files.h"
 
 namespace headway::replay {
 namespace {

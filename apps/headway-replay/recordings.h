@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Several recordings of one camera, replayed into one map.
 #pragma once
 
 #include <headway/pipeline/perception.h>
-#include <headway/program/output_folder.h>
+#include <headway/program/files.h>
 
 #include <exception>
 #include <filesystem>
@@ -11,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "options.h"
 #include "replay.h"
+#include "summary.h"
 
 namespace headway::replay {
 

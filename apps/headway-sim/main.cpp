@@ -2,6 +2,7 @@
 // headway-sim: simulates a world into a stereo rawlog with truth.
 #include <headway/core/error.h>
 #include <headway/program/command_line.h>
+#include <headway/program/files.h>
 #include <headway/program/progress.h>
 #include <headway/sim/recording.h>
 #include <headway/sim/rigs.h>
@@ -13,7 +14,6 @@
 #include <iomanip>
 #include <iostream>
 #include <opencv2/core.hpp>
-#include <sstream>
 
 namespace {
 
@@ -131,12 +131,10 @@ int simulate(int argc, const char* const* argv) {
   Params params;
   settings.describe(params);
   if (!parse(argc, argv, request, settings, params)) return program::kDone;
-  std::ostringstream world_ini;
-  params.print(world_ini);
   sim::Simulator simulator(settings);
   program::catchInterrupts();
   CoveredRatio covered;
-  const std::size_t done = record(simulator, settings, request, world_ini.str(), covered);
+  const std::size_t done = record(simulator, settings, request, program::textOf(params), covered);
   if (!request.quiet) {
     std::cout << request.output << ": " << done << " frames; truth in "
               << sim::truthFolder(request.output) << "\n"

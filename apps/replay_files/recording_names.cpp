@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Names of the folders of several recordings.
 #include "recording_names.h"
 
 #include <headway/core/output_file.h>

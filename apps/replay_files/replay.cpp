@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A run over a rawlog or live sensors, with its folder of results.
 #include "replay.h"
 
 #include <headway/core/error.h>
@@ -8,6 +9,7 @@
 #include <headway/io/track_file.h>
 #include <headway/map/map_export.h>
 #include <headway/map/map_file.h>
+#include <headway/program/command_line.h>
 #include <headway/program/picture_files.h>
 #include <headway/program/truth_report.h>
 #include <headway/report/replay_page.h>
@@ -18,10 +20,6 @@
 #include <iostream>
 #include <iterator>
 #include <optional>
-#include <sstream>
-
-#include "moved_results.h"
-#include "results.h"
 
 namespace headway::replay {
 namespace {
@@ -116,12 +114,6 @@ std::string causeOfNoTracking(const std::optional<io::CalibrationReport>& calibr
 
 constexpr std::size_t kMaxSeenTracks = 1000;  // above which ended ones are discarded
 
-std::string textOf(const Params& params) {
-  std::ostringstream text;
-  params.print(text);
-  return text.str();
-}
-
 /// Creates the pipeline with the map of --load-map, if given, and loads its satellite fixes.
 std::unique_ptr<pipeline::Perception> makePerception(
     const Options& options, const std::shared_ptr<const StereoCamera>& camera,
@@ -141,6 +133,14 @@ std::unique_ptr<pipeline::Perception> makePerception(
 
 }  // namespace
 
+void checkDetector(const std::string& names) {
+  try {
+    pipeline::checkDetectorNames(names);
+  } catch (const InputError& error) {
+    throw program::UsageError(std::string("--detector: ") + error.what());
+  }
+}
+
 Replay::Replay(const Options& options, const pipeline::PerceptionParams& perception_params,
                const Params& params)
     : Replay(options, sourceOf(options, perception_params), perception_params, params) {}
@@ -148,7 +148,7 @@ Replay::Replay(const Options& options, const pipeline::PerceptionParams& percept
 Replay::Replay(const Options& options, std::unique_ptr<run::Source> source,
                const pipeline::PerceptionParams& perception_params, const Params& params)
     : options_(options),
-      configuration_(textOf(params)),
+      configuration_(program::textOf(params)),
       source_(std::move(source)),
       camera_(source_->camera()),
       perception_(

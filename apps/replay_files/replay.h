@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A run over a rawlog or live sensors, with its folder of results.
 #pragma once
 
 #include <headway/pipeline/perception.h>
-#include <headway/program/output_folder.h>
+#include <headway/program/files.h>
 #include <headway/program/progress.h>
 #include <headway/report/replay_page.h>
 #include <headway/run/session.h>
@@ -15,14 +16,15 @@
 #include <string>
 #include <vector>
 
-#include "checkpoint.h"
-#include "frame_writers.h"
-#include "gnss_log.h"
-#include "options.h"
+#include "geo_files.h"
+#include "result_files.h"
 #include "snapshots.h"
 #include "summary.h"
 
 namespace headway::replay {
+
+/// Checks the value of --detector. @throws program::UsageError
+void checkDetector(const std::string& names);
 
 /// Processes a rawlog, or live sensors, and writes a folder of results: a session with the sink of
 /// all files.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pictures of the map during a run, and the scene at its end.
 #include "snapshots.h"
 
 #include <headway/program/picture_files.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pictures of the map during a run, and the scene at its end.
 #pragma once
 
 #include <headway/core/recorded_frame.h>

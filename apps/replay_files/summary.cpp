@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// replay.json, summary.json and the summary that is printed.
 #include "summary.h"
 
 #include <headway/core/output_file.h>

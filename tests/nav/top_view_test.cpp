@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "top_view.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "trial_pictures.h"
 
 namespace headway::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/core/version.h>
 #include <headway/program/command_line.h>
-#include <headway/program/data_files.h>
+#include <headway/program/files.h>
 #include <headway_test/folders.h>
 
 #include <filesystem>

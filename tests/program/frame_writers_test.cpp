@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "frame_writers.h"
-
 #include <gmock/gmock.h>
 #include <headway/io/track_file.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
 
 #include <cmath>
+
+#include "result_files.h"
 
 namespace headway::replay {
 namespace {

@@ -10,7 +10,7 @@
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>
 
-#include "frame_writers.h"
+#include "result_files.h"
 #include "summary.h"
 
 namespace headway::replay {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "gnss_log.h"
-
 #include <gmock/gmock.h>
 #include <headway_test/input_error.h>
+
+#include "geo_files.h"
 
 namespace headway::replay {
 namespace {

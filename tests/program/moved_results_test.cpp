@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "moved_results.h"
-
 #include <gtest/gtest.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/folders.h>
 
+#include <cmath>
 #include <fstream>
+
+#include "result_files.h"
 
 namespace headway::replay {
 namespace {
@@ -80,6 +81,27 @@ TEST_F(MovedResultsTest, TurnWithTheMap) {
   ASSERT_EQ(predictions.size(), 1U);
   EXPECT_TRUE(predictions[0].point.position.isApprox(Eigen::Vector3d(9.0, 25.0, 0.5), 1e-6));
   EXPECT_NEAR(predictions[0].point.covariance(0, 0), 3.0, 1e-6);
+}
+
+TEST_F(MovedResultsTest, ATiltedMapBringsNoUncertaintyOfHeightIntoThePlane) {
+  Pose T_map_run = Pose::Identity();
+  T_map_run.linear() = expSo3({0.0, 0.1, 0.0});
+  moveOnlineResults(folder_.path(), T_map_run);
+  const double expected = 0.4 * std::pow(std::cos(0.1), 2);
+  EXPECT_NEAR(io::readTrackCsv(folder_ / "tracks.csv")[0].track.position_covariance(0, 0), expected,
+              1e-6);
+}
+
+TEST(IsResultTest, FilesOfARunAndOfItsSubmapsAndNoOthers) {
+  for (const char* name :
+       {"tracks.csv", "tracks_odom.csv", "trajectory_odom.tum", "map_odom.csv",
+        "map_points_submap_2.ply", "map_grid_submap_12.gridmap.gz", "snapshots/000010.png"}) {
+    EXPECT_TRUE(isResult(name)) << name;
+  }
+  for (const char* name : {"notes.txt", "map_points_submap_.ply", "map_notes_submap_2.txt",
+                           "snapshots/10.png", "other/tracks.csv"}) {
+    EXPECT_FALSE(isResult(name)) << name;
+  }
 }
 
 }  // namespace

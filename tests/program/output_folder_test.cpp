@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <headway/core/output_file.h>
-#include <headway/program/output_folder.h>
+#include <headway/program/files.h>
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>
 #include <headway_test/process.h>

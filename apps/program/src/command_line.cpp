@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Command lines of the programs, their exit statuses and sub-commands.
 #include <headway/core/error.h>
 #include <headway/core/text.h>
 #include <headway/core/version.h>
 #include <headway/core/worker_thread.h>
 #include <headway/program/command_line.h>
-#include <headway/program/data_files.h>
+#include <headway/program/files.h>
 #include <mrpt/3rdparty/tclap/CmdLine.h>
 #include <unistd.h>
 
@@ -14,11 +15,102 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-
-#include "help_text.h"
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace headway::program {
 namespace {
+
+/// One option or argument as --help shows it.
+struct OptionText {
+  char short_name = 0;  ///< 0: only the long name
+  std::string long_name;
+  std::string type;  ///< name of the value; empty: a flag
+  std::string meaning;
+  bool required = false;
+};
+
+/// What --help shows of a program, in the layout of GNU's programs, which help2man and shells read.
+struct HelpText {
+  std::string program;  ///< with its sub-command
+  std::string summary;
+  std::vector<std::pair<std::string, std::string>> arguments;  ///< name, meaning
+  std::vector<OptionText> options;                             ///< in the order of declaration
+  std::vector<OptionText> common_options;                      ///< after the others
+};
+
+constexpr std::size_t kWidth = 79;
+constexpr std::size_t kMeaningColumn = 29;
+
+/// Prints words in lines of at most kWidth characters; the first one starts at `column`, the
+/// others are indented.
+void printWords(std::ostream& out, const std::string& text, std::size_t column,
+                std::size_t indent) {
+  std::istringstream words(text);
+  bool first_of_line = true;
+  for (std::string word; words >> word; first_of_line = false) {
+    if (!first_of_line && column + 1 + word.size() > kWidth) {
+      out << "\n" << std::string(indent, ' ');
+      column = indent;
+      first_of_line = true;
+    }
+    out << (first_of_line ? "" : " ") << word;
+    column += word.size() + (first_of_line ? 0 : 1);
+  }
+  out << "\n";
+}
+
+std::string valueOf(const OptionText& option) {
+  return option.type.empty() ? "" : " " + option.type;
+}
+
+std::string nameOf(const OptionText& option) {
+  const std::string short_name =
+      option.short_name == 0 ? "    " : std::string("-") + option.short_name + ", ";
+  return short_name + "--" + option.long_name + valueOf(option);
+}
+
+std::string usageOf(const HelpText& help) {
+  std::string usage = "Usage: " + help.program;
+  for (const auto& [name, meaning] : help.arguments) usage += " " + name;
+  for (const auto& option : help.options) {
+    if (!option.required) continue;
+    usage +=
+        option.short_name == 0 ? " --" + option.long_name : std::string(" -") + option.short_name;
+    usage += valueOf(option);
+  }
+  return usage + " [OPTION]...";
+}
+
+/// One row of a list: the name in the left column, its meaning in the right one, in lines of at
+/// most 79 characters.
+void printRow(std::ostream& out, const std::string& name, const std::string& meaning) {
+  out << "  " << name;
+  std::size_t column = name.size() + 2;
+  if (column + 2 > kMeaningColumn) {
+    out << "\n";
+    column = 0;
+  }
+  out << std::string(kMeaningColumn - column, ' ');
+  printWords(out, meaning, kMeaningColumn, kMeaningColumn);
+}
+
+std::ostream& operator<<(std::ostream& out, const HelpText& help) {
+  const std::string usage = usageOf(help);
+  printWords(out, usage, 0, 7);
+  out << "\n";
+  printWords(out, help.summary, 0, 0);
+  if (!help.arguments.empty()) out << "\nArguments:\n";
+  for (const auto& [name, meaning] : help.arguments) printRow(out, name, meaning);
+  out << "\nOptions:\n";
+  for (const auto* options : {&help.options, &help.common_options}) {
+    for (const auto& option : *options) printRow(out, nameOf(option), option.meaning);
+  }
+  return out;
+}
 
 /// Until catchInterrupts(); files that are not complete have temporary names.
 extern "C" void endAtOnce(int signal) { _exit(kSignalled + signal); }
@@ -34,7 +126,7 @@ void printSubcommands(const std::string& program, const std::string& summary,
                       const std::vector<Subcommand>& known) {
   std::cout << "Usage: " << program << " SUBCOMMAND [OPTION]...\n\n"
             << summary << "\n\nSub-commands:\n";
-  for (const auto& [name, about] : known) printRow(std::cout, name, about);
+  for (const auto& known_one : known) printRow(std::cout, known_one.name, known_one.about);
   std::cout << "\n'" << program << " SUBCOMMAND --help' shows the options of one." << std::endl;
 }
 
@@ -253,42 +345,41 @@ int run(const std::string& program, const std::function<int()>& body) {
   }
 }
 
-std::string takeSubcommand(int& argc, const char**& argv, const std::string& summary,
-                           const std::vector<Subcommand>& known) {
+int runSubcommand(int argc, const char** argv, const std::string& summary,
+                  const std::vector<Subcommand>& known) {
   const std::string program = std::filesystem::path(argv[0]).filename().string();
   const std::string given = argc > 1 ? argv[1] : "";
   if (given == "--version") {
     printVersion(program);
-    std::exit(kDone);
+    return kDone;
   }
   if (given == "--help" || given == "-h") {
     printSubcommands(program, summary, known);
-    std::exit(kDone);
+    return kDone;
   }
-  const auto is_given = [&](const Subcommand& subcommand) { return subcommand.name == given; };
-  if (std::none_of(known.begin(), known.end(), is_given)) {
-    std::string list;
-    for (const auto& [name, about] : known) list += (list.empty() ? "" : ", ") + name;
-    throw UsageError((given.empty() ? "a sub-command is missing" : "'" + given + "' is unknown") +
-                     "; sub-commands are " + list);
+  std::string list;
+  for (const auto& subcommand : known) {
+    if (subcommand.name == given) {
+      argv[1] = argv[0];
+      return subcommand.run(argc - 1, argv + 1);
+    }
+    list += (list.empty() ? "" : ", ") + subcommand.name;
   }
-  argv[1] = argv[0];
-  ++argv;
-  --argc;
-  return given;
+  throw UsageError((given.empty() ? "a sub-command is missing" : "'" + given + "' is unknown") +
+                   "; sub-commands are " + list);
 }
 
-void requireWritable(const std::string& path, bool overwrite,
-                     const std::vector<std::string>& inputs) {
-  for (const auto& input : inputs) {
-    std::error_code ignored;
-    if (std::filesystem::equivalent(path, input, ignored)) {
-      throw InputError(path + ": is an input and would be overwritten; choose another name");
-    }
-  }
-  if (!overwrite && std::filesystem::exists(path)) {
-    throw InputError(path + ": exists already; -w overwrites it");
-  }
+std::vector<std::string> split(const std::string& list) {
+  std::vector<std::string> parts;
+  std::istringstream words(list);
+  for (std::string word; std::getline(words, word, ',');) parts.push_back(word);
+  return parts;
+}
+
+std::string textOf(const Params& params) {
+  std::ostringstream text;
+  params.print(text);
+  return text.str();
 }
 
 }  // namespace headway::program

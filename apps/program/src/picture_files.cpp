@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pictures and videos that programs write.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
-#include <headway/program/command_line.h>
+#include <headway/program/files.h>
 #include <headway/program/picture_files.h>
 
 #include <array>

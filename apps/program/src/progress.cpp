@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Progress on a terminal, and interrupts.
 #include <headway/core/worker_thread.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The report of a finished replay with its errors against the truth.
 #include <headway/core/error.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/program/truth_report.h>

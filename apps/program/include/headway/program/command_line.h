@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Command lines of the programs, their exit statuses and sub-commands.
 #pragma once
 
 #include <headway/core/params.h>
@@ -84,23 +85,25 @@ inline constexpr int kSignalled = 128;  ///< plus the number of the signal, as s
 /// size is an exception, as on a full disk.
 int run(const std::string& program, const std::function<int()>& body);
 
-/// One of a program's sub-commands, as --help lists it.
+/// One of a program's sub-commands.
 struct Subcommand {
   std::string name;
-  std::string about;  ///< what it does, in one sentence
+  std::string about;  ///< what it does, in one sentence, for --help
+  std::function<int(int, const char**)> run;  ///< with its own arguments; returns the exit status
 };
 
-/// Removes the first argument as sub-command; --help and --version end the program.
+/// Runs the sub-command that the first argument names; --help and --version are of the program.
 ///
 /// @param summary  what the program does, for --help
-/// @return the sub-command, no longer in argc and argv
+/// @return the exit status
 /// @throws UsageError listing the sub-commands if it is unknown
-std::string takeSubcommand(int& argc, const char**& argv, const std::string& summary,
-                           const std::vector<Subcommand>& known);
+int runSubcommand(int argc, const char** argv, const std::string& summary,
+                  const std::vector<Subcommand>& known);
 
-/// @param inputs  files that are read, none of which is overwritten; empty names are ignored
-/// @throws InputError if the path exists and may not be overwritten, or is an input
-void requireWritable(const std::string& path, bool overwrite,
-                     const std::vector<std::string>& inputs = {});
+/// The parts of a list such as "1,2,3"; none of an empty one.
+[[nodiscard]] std::vector<std::string> split(const std::string& list);
+
+/// All parameters as the text of an .ini file.
+[[nodiscard]] std::string textOf(const Params& params);
 
 }  // namespace headway::program

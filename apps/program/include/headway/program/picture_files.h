@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pictures and videos that programs write.
 #pragma once
 
 #include <headway/render/video_file.h>

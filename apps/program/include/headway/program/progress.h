@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Progress on a terminal, and interrupts.
 #pragma once
 
 #include <chrono>

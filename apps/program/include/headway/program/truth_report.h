@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The report of a finished replay with its errors against the truth.
 #pragma once
 
 #include <filesystem>

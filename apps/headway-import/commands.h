@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sub-commands of headway-import.
+#pragma once
+
+#include <headway/program/command_line.h>
+
+namespace headway::import {
+
+// Each parses its arguments, returns the exit status, and throws UsageError or InputError.
+
+/// Converts a dataset to a rawlog.
+///
+/// @param dataset  name of the sub-command
+/// @param about    what it does, for --help
+int runDataset(const std::string& dataset, const std::string& about, int argc, const char** argv);
+/// Lists the topics of a bag, or writes it as a rawlog.
+int runRosbag(int argc, const char** argv);
+/// Checks a rawlog.
+int runRawlog(int argc, const char** argv);
+
+}  // namespace headway::import
