@@ -63,10 +63,10 @@ TEST(SmoothedSpeedTest, AveragesTheLastStepsOnly) {
   auto path = history([](double t) { return Eigen::Vector2d(2.0 * t, 0.0); });
   path.front().position.x() -= 100.0;  // a jump, 20 steps ago
   PaperPredictorParams params;
-  EXPECT_NEAR(smoothedSpeed(path, 5, params), 2.0, 1e-3);
-  EXPECT_GT(smoothedSpeed(path, 20, params), 40.0);
+  EXPECT_NEAR(smoothedSpeed(path, 0.5, params), 2.0, 1e-3);
+  EXPECT_GT(smoothedSpeed(path, 2.0, params), 40.0);
   params.speed_factor = 0.5;
-  EXPECT_NEAR(smoothedSpeed(path, 5, params), 1.0, 1e-3);
+  EXPECT_NEAR(smoothedSpeed(path, 0.5, params), 1.0, 1e-3);
 }
 
 std::vector<PredictedPath> predictTurning(PredictorKind kind, double yaw_error = 0.0) {

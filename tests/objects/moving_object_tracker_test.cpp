@@ -29,8 +29,8 @@ using ::testing::Pair;
 
 TEST(MovingObjectTrackerTest, ConfirmsATrackAfterEnoughDetections) {
   ObjectsParams params;
-  params.lifecycle.confirm_hits = 3;
-  params.lifecycle.confirm_anyway_hits = 3;
+  params.lifecycle.confirm_time_s = 0.3;
+  params.lifecycle.confirm_anyway_time_s = 0.3;
   Replay replay(params);
   EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
   EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
@@ -38,11 +38,57 @@ TEST(MovingObjectTrackerTest, ConfirmsATrackAfterEnoughDetections) {
   EXPECT_EQ(replay.used, 3u);
 }
 
+TEST(MovingObjectTrackerTest, OneObservationAloneNeverConfirms) {
+  ObjectsParams params;
+  params.lifecycle.confirm_time_s = 0.0;
+  params.lifecycle.confirm_anyway_time_s = 0.0;
+  Replay replay(params);
+  EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kTentative);
+  EXPECT_EQ(replay.frame({seenCar(10, 0)}).tracks.at(0).status, TrackStatus::kConfirmed);
+}
+
+/// Number of detections until a track is confirmed, at a rate of frames.
+int detectionsUntilConfirmed(double rate_hz, const ObjectsParams& params, double score) {
+  Replay replay(params);
+  int frame = 0;
+  for (; frame < 10; ++frame) replay.frameAt(frame / rate_hz, {});
+  for (int hits = 1; hits < 100; ++hits, ++frame) {
+    Detection car = seenCar(10, 0);
+    car.score = score;
+    replay.frameAt(frame / rate_hz, {car});
+    if (!confirmed(replay.last).empty()) return hits;
+  }
+  return 0;
+}
+
+TEST(MovingObjectTrackerTest, ConfirmsAfterTheSameTimeAtEveryRate) {
+  ObjectsParams params;
+  params.lifecycle.confirm_time_s = 0.4;
+  ObjectsParams by_score;
+  by_score.lifecycle.confirm_score.vehicle = 2.0;
+  by_score.lifecycle.confirm_anyway_time_s = 2.0;
+  for (const int rate_hz : {5, 10, 15, 20, 30}) {
+    EXPECT_EQ(detectionsUntilConfirmed(rate_hz, params, 1.0), rate_hz * 2 / 5) << rate_hz;
+    EXPECT_EQ(detectionsUntilConfirmed(rate_hz, by_score, 0.5), rate_hz * 2 / 5) << rate_hz;
+  }
+}
+
+TEST(MovingObjectTrackerTest, DroppedFramesDoNotChangeTheRate) {
+  ObjectsParams params;
+  params.lifecycle.confirm_time_s = 0.4;
+  Replay replay(params);
+  for (const double time : {0.0, 0.1, 0.2, 0.4, 0.5, 0.7, 0.8}) replay.frameAt(time, {});
+  for (const double time : {0.9, 1.0, 1.2}) replay.frameAt(time, {seenCar(10, 0)});
+  EXPECT_THAT(confirmed(replay.last), IsEmpty());
+  replay.frameAt(1.3, {seenCar(10, 0)});
+  EXPECT_EQ(confirmed(replay.last).size(), 1u);
+}
+
 TEST(MovingObjectTrackerTest, ConfirmsByTheSumOfScores) {
   ObjectsParams params;
-  params.lifecycle.confirm_hits = 2;
+  params.lifecycle.confirm_time_s = 0.2;
   params.lifecycle.confirm_score.vehicle = 2.0;
-  params.lifecycle.confirm_anyway_hits = 10;
+  params.lifecycle.confirm_anyway_time_s = 1.0;
   Replay replay(params);
   Detection certain = seenCar(10, 0);
   Detection uncertain = seenCar(10, 8);
@@ -266,7 +312,7 @@ TEST(MovingObjectTrackerTest, ShowsTheBestScoredOfTwoClassesAtOnePosition) {
 
 TEST(MovingObjectTrackerTest, ScoresATrackByTheMeanOverItsLife) {
   ObjectsParams params;
-  params.lifecycle.score_prior_frames = 5.0;
+  params.lifecycle.score_prior_time_s = 0.5;
   Replay replay(params);
   for (int k = 0; k < 10; ++k) replay.frame({test::seen(ObjectClass::kCar, {10, 0, 0}, 0, 3.0)});
   EXPECT_NEAR(replay.last.tracks.at(0).score, 30.0 / 15.0, 1e-12);
@@ -668,10 +714,10 @@ TEST(ObjectsParamsTest, OutOfRangeAreRefusedByTheTracker) {
               StartsWith("[objects] cyclist_filter_acceleration_mps2: '-1'"));
   EXPECT_THAT(errorOf([nan](ObjectsParams& p) { p.heading.flip_probability = nan; }),
               StartsWith("[objects] flip_probability: 'nan'"));
-  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.smoothing.window_frames = 1; }),
-              StartsWith("[objects] window_frames: '1'"));
-  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.lifecycle.confirm_hits = 0; }),
-              StartsWith("[objects] confirm_hits: '0'"));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.smoothing.window_s = 0.1; }),
+              StartsWith("[objects] window_s: '0.1'"));
+  EXPECT_THAT(errorOf([](ObjectsParams& p) { p.lifecycle.confirm_time_s = -1.0; }),
+              StartsWith("[objects] confirm_time_s: '-1'"));
   EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.paper.spacing_s = 0.0; }),
               StartsWith("[objects] paper_spacing_s: '0'"));
   EXPECT_THAT(errorOf([](ObjectsParams& p) { p.prediction.manoeuvres.memory_s.vehicle = 0.0; }),

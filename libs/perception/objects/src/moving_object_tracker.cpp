@@ -66,7 +66,7 @@ class MovingObjectTracker::Implementation {
       : params_(params),
         measurement_(params.consistency, params.filter),
         consistency_(params.consistency),
-        smoother_(params.smoothing),
+        smoother_(params.smoothing, rate_),
         predictor_(makePredictor(params.predictor, params.prediction)),
         noise_(params.filter.noise_adaptation) {}
 
@@ -76,6 +76,7 @@ class MovingObjectTracker::Implementation {
     const Time time = T_map_robot.time;
     TrackUpdate update;
     if (!runsForward(time)) return refuse(frame, detections, std::move(update));
+    rate_.add(time);
 
     const auto measured = measure(T_map_robot.value, detections, update);
     view_.move(T_map_robot.value * detections.T_robot_sensor);
@@ -106,6 +107,7 @@ class MovingObjectTracker::Implementation {
   std::vector<TrackSample> restart() {
     auto samples = flush();
     time_.reset();
+    rate_.restart();
     return samples;
   }
 
@@ -182,7 +184,7 @@ class MovingObjectTracker::Implementation {
         continue;
       }
       objects_.push_back(std::make_unique<TrackedObject>(TrackId{next_id_++}, frame, time,
-                                                         measured[detection], params_));
+                                                         measured[detection], params_, rate_));
     }
   }
 
@@ -194,7 +196,7 @@ class MovingObjectTracker::Implementation {
       shown[i]->historyAt(frame, time, history_);
       predictor_->predictInto(history_, predictions[i]);  // Sec. III-B
     }
-    const auto window = static_cast<std::size_t>(params_.smoothing.window_frames) + 1;
+    const auto window = static_cast<std::size_t>(rate_.framesIn(params_.smoothing.window_s)) + 1;
     for (const auto& object : objects_) {
       object->finalise(window, time, update.finalised);
       if (auto expected = object->searchable(time)) update.expected.push_back(std::move(*expected));
@@ -225,6 +227,7 @@ class MovingObjectTracker::Implementation {
   ObjectsParams params_;
   MeasurementModel measurement_;
   ConsistencyCheck consistency_;
+  FrameRate rate_;  ///< of the frames with detection
   TrajectorySmoother smoother_;
   std::unique_ptr<Predictor> predictor_;
   std::vector<std::unique_ptr<TrackedObject>> objects_;  ///< ascending ids; 2 kB each

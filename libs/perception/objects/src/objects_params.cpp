@@ -91,8 +91,9 @@ void HeadingParams::describe(Params::Section section) {
               "Evidence from which a track's heading is reversed");
   section.add("max_flip_log_odds", max_flip_log_odds, 0.0, 1000.0, "log-odds",
               "Limit of the accumulated evidence");
-  section.add("heading_converged_frames", converged_frames, 1.0, 1000.0, "frames",
-              "Measurements after which the heading of a stationary object is fixed");
+  section.add("heading_converged_time_s", converged_time_s, 0.1, 100.0, "s",
+              "Time of the measurements after which the heading of a stationary object is fixed");
+  section.renamed("heading_converged_frames", "heading_converged_time_s", secondsOfFrames);
 }
 
 void MotionClassParams::describe(Params::Section section) {
@@ -112,15 +113,18 @@ void SmoothingParams::describe(Params::Section section) {
                       {"least_force", MotionPriorKind::kLeastForce}},
                      "Prior that smooths trajectories: the paper's least_kinetic lags behind "
                      "moving objects, least_force does not");
-  section.add("mature_frames", mature_frames, 2, 1000, "frames",
-              "tau_KF: length of a track from which the motion prior smooths it");
+  section.add("mature_time_s", mature_time_s, 0.0, 100.0, "s",
+              "tau_KF: time of a track's detections from which the motion prior smooths it");
+  section.renamed("mature_frames", "mature_time_s", secondsOfFrames);
   section.add("filter_weight", filter_weight, 0.0, 1.0, "",
               "w_k: weight of the filter for shorter tracks");
   section.add("average_weight", average_weight, 0.0, 1.0, "",
               "w_n: weight of the moving average for shorter tracks");
-  section.add("average_frames", average_frames, 1, 100, "frames", "n of the moving average");
-  section.add("window_frames", window_frames, 3, 200, "frames",
-              "h: frames that the motion prior smooths");
+  section.add("average_time_s", average_time_s, 0.0, 10.0, "s", "n of the moving average");
+  section.renamed("average_frames", "average_time_s", secondsOfFrames);
+  section.add("window_s", window_s, 0.3, 20.0, "s",
+              "h: time of the detections that the motion prior smooths");
+  section.renamed("window_frames", "window_s", secondsOfFrames);
   describePriors(*this, section);
   section.add("outlier_sigma", outlier_sigma, 0.1, 1000.0, "standard deviations",
               "Residual beyond which a measured position is down-weighted (Huber)");
@@ -135,21 +139,25 @@ void SmoothingParams::describe(Params::Section section) {
 
 void LifecycleParams::describe(Params::Section section) {
   auto user = section.user();
-  user.add("confirm_hits", confirm_hits, 1, 1000, "frames",
-           "Minimum detections of a confirmed track; greater for a detector with false alarms");
+  user.add("confirm_time_s", confirm_time_s, 0.0, 100.0, "s",
+           "Minimum time of the detections of a confirmed track, of which there are at least two; "
+           "greater for a detector with false alarms");
+  user.renamed("confirm_hits", "confirm_time_s", secondsOfFrames);
   user.add("coast_time_s", coast_time_s, 0.0, 100.0, "s",
            "Time without detection for which a confirmed track is shown; greater for a slow "
            "detector");
   section.add("retrack_time_s", retrack_time_s, 0.0, 100.0, "s",
               "Time without detection after which a track ends");
   addPerClass(section, "confirm_score", confirm_score, -1e6, 1e6, "detector's scale",
-              "Minimum sum of a confirmed track's scores");
-  section.add("confirm_anyway_hits", confirm_anyway_hits, 1, 1000, "frames",
-              "Detections that confirm a track regardless of the sum of their scores");
+              "Minimum sum of a confirmed track's scores, at 10 detections a second");
+  section.add("confirm_anyway_time_s", confirm_anyway_time_s, 0.0, 100.0, "s",
+              "Time of the detections that confirm a track regardless of the sum of their scores");
+  section.renamed("confirm_anyway_hits", "confirm_anyway_time_s", secondsOfFrames);
   section.add("start_score", start_score, -1e6, 1e6, "detector's scale",
               "Minimum score of a detection that starts a track");
-  section.add("score_prior_frames", score_prior_frames, 0.0, 1000.0, "frames",
-              "Frames of score 0 in every track's mean score, which lowers that of short tracks");
+  section.add("score_prior_time_s", score_prior_time_s, 0.0, 100.0, "s",
+              "Time of score 0 in every track's mean score, which lowers that of short tracks");
+  section.renamed("score_prior_frames", "score_prior_time_s", secondsOfFrames);
   section.add("max_coast_ratio", max_coast_ratio, 0.0, 1000.0, "",
               "Maximum ratio of frames without to frames with detection of a shown track");
   section.add("max_coast_sigma_m", max_coast_sigma_m, 0.0, 100.0, "m",

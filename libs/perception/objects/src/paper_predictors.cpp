@@ -85,16 +85,17 @@ double BezierCurve::tabulatedParameterAt(double fraction) const {
   return (cell + (width > 0.0 ? (fraction - low) / width : 0.0)) / kTableSize;
 }
 
-double smoothedSpeed(const std::vector<TrajectoryPoint>& path, int samples,
+double smoothedSpeed(const std::vector<TrajectoryPoint>& path, double window_s,
                      const PaperPredictorParams& params) {
-  const std::size_t steps = std::min(path.size() - 1, static_cast<std::size_t>(samples));
-  if (steps == 0) return 0.0;
   double sum = 0.0;
-  for (std::size_t j = path.size() - steps; j < path.size(); ++j) {
+  double steps = 0.0;
+  for (std::size_t j = path.size() - 1; j > 0; --j) {
+    if (steps > 0.0 && path.back().time - path[j - 1].time > window_s + kFrameJitter_s) break;
     const double distance = (path[j].position - path[j - 1].position).head<2>().norm();
     sum += distance / (path[j].time - path[j - 1].time + params.epsilon_s);
+    steps += 1.0;
   }
-  return params.speed_factor * sum / static_cast<double>(steps);
+  return steps > 0.0 ? params.speed_factor * sum / steps : 0.0;
 }
 
 double chordOfArc(double arc_length, double alpha) {
@@ -198,8 +199,8 @@ class BezierPredictor : public SinglePathPredictor {
  private:
   [[nodiscard]] SinglePath pathOf(const MotionHistory& history,
                                   const Eigen::Vector2d& p_s) const override {
-    const int speed_samples = kind_ == PredictorKind::kPaperSv ? 1 : params_.paper.speed_samples;
-    const double curve_length = smoothedSpeed(history.path, speed_samples, params_.paper) *
+    const double window_s = kind_ == PredictorKind::kPaperSv ? 0.0 : params_.paper.speed_time_s;
+    const double curve_length = smoothedSpeed(history.path, window_s, params_.paper) *
                                 kPredictionSamples * kPredictionStep_s;  // |C_p| = v T_p
     const Eigen::Vector2d v_h = headDirection(history);
     const Eigen::Vector2d v_p = predictionDirection(history, v_h);
@@ -337,7 +338,7 @@ class PolynomialPredictor : public SinglePathPredictor {
     constexpr double kSpacing_s = 0.5;  // five frames at 10 Hz
     const double horizon_s = horizonOf(kPredictionSamples - 1);
     const double end_distance =
-        horizon_s * smoothedSpeed(history.path, params_.paper.speed_samples, params_.paper);
+        horizon_s * smoothedSpeed(history.path, params_.paper.speed_time_s, params_.paper);
     const Parabola parabola(history.path, std::min(kSpacing_s, spanOf(history.path) / 3.0));
     const Eigen::Vector2d end = parabola.advance(horizon_s);
     const double scale = end.norm() > kNoDirection_m ? end_distance / end.norm() : 0.0;

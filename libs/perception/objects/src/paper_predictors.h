@@ -62,8 +62,9 @@ class BezierCurve {
   std::array<double, kTableSize + 1> table_;  ///< fraction of the arc length at t = i / kTableSize
 };
 
-/// Speed smoothed over the last `samples` steps, eq. (1) with j = k-h ... k-1 [m/s].
-[[nodiscard]] double smoothedSpeed(const std::vector<TrajectoryPoint>& path, int samples,
+/// Speed smoothed over the steps of the last `window_s`, the last one at least, eq. (1) with
+/// j = k-h ... k-1 [m/s].
+[[nodiscard]] double smoothedSpeed(const std::vector<TrajectoryPoint>& path, double window_s,
                                    const PaperPredictorParams& params);
 
 /// d_se of an arc whose chord is at the angle alpha to its tangent, eq. (3) [m].

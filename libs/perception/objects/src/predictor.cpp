@@ -400,8 +400,9 @@ void PaperPredictorParams::describe(Params::Section section) {
               "w4: weight of the older direction in the prediction direction V_p");
   section.add("paper_spacing_s", spacing_s, 0.05, 10.0, "s",
               "Time between the three positions that give V_p");
-  section.add("paper_speed_samples", speed_samples, 1, 200, "frames",
-              "h: steps over which the speed is averaged, eq. (1)");
+  section.add("paper_speed_time_s", speed_time_s, 0.0, 20.0, "s",
+              "h: time over which the speed is averaged, of one step at least, eq. (1)");
+  section.renamed("paper_speed_samples", "paper_speed_time_s", secondsOfFrames);
   section.add("paper_speed_factor", speed_factor, 0.1, 10.0, "", "gamma of eq. (1)");
   section.add("paper_epsilon_s", epsilon_s, 0.0, 0.1, "s", "epsilon of eq. (1)");
 }

@@ -32,8 +32,9 @@ constexpr int kUnclassifiedRatio = 2;  // of hits of a track in which no classif
 }  // namespace
 
 TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
-                             const ObjectsParams& params)
+                             const ObjectsParams& params, const FrameRate& rate)
     : params_(&params),
+      rate_(&rate),
       id_(id),
       class_(first),
       filter_(first, params.filter),
@@ -79,28 +80,30 @@ void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
   if (detection.evidence.motion || detection.evidence.flow) appearance_ = detection.appearance;
 }
 
-// A classifier's box that moves is an object at once; motion in which a classifier sees no object
-// needs more evidence.
+// A classifier's box that moves is an object at once, as motion shows in several frames only;
+// motion in which a classifier sees no object needs more evidence.
 void TrackedObject::confirm(const DetectionEvidence& evidence) {
   const LifecycleParams& life = params_->lifecycle;
   if (evidence.classifier_tested && !evidence.classifier) ++unclassified_hits_;
   if (evidence.classifier_tested && evidence.classifier && evidence.motion) confirmed_ = true;
-  const int needed_hits =
-      (unclassified_hits_ == hits_ ? kUnclassifiedRatio : 1) * life.confirm_hits;
-  const bool sure = hits_ >= needed_hits && score_sum_ >= life.confirm_score.of(group());
-  confirmed_ = confirmed_ || sure || hits_ >= life.confirm_anyway_hits;
+  const int needed_hits = (unclassified_hits_ == hits_ ? kUnclassifiedRatio : 1) *
+                          rate_->observationsIn(life.confirm_time_s);
+  const double score = score_sum_ * (FrameRate::kUsual_hz / rate_->hz());
+  const bool sure = hits_ >= needed_hits && score >= life.confirm_score.of(group());
+  confirmed_ = confirmed_ || sure || hits_ >= rate_->observationsIn(life.confirm_anyway_time_s);
 }
 
 // Moving: filtered. Static: the mean of the first measurements, then constant.
 void TrackedObject::updateHeading(const MeasuredBox& detection) {
   const double measured = heading_.unflipped(detection.yaw, filter_.yaw());
+  const int converged = rate_->observationsIn(params_->heading.converged_time_s);
   if (motion_class_.moving()) {
     filter_.updateYaw(measured, detection.yaw_sigma_rad);
     const Eigen::Vector2d direction = unitOr(filter_.velocity().head<2>(), Eigen::Vector2d::Zero());
     heading_.addMotion(
         direction.dot(Eigen::Vector2d(std::cos(filter_.yaw()), std::sin(filter_.yaw()))));
-    standing_headings_ = 0.5 * params_->heading.converged_frames;
-  } else if (standing_headings_ < params_->heading.converged_frames) {
+    standing_headings_ = 0.5 * converged;
+  } else if (standing_headings_ < converged) {
     standing_headings_ += 1.0;
     filter_.averageYaw(measured, standing_headings_);
   }
@@ -112,7 +115,7 @@ void TrackedObject::updateHeading(const MeasuredBox& detection) {
 
 void TrackedObject::refine(Time time, TrajectorySmoother& smoother) {
   constexpr double kSpeedWindow_s = 1.0;
-  smoother.refine(trajectory_, filter_, group(), motion_class_.standing());
+  smoother.refine(trajectory_, filter_, group(), mature(), motion_class_.standing());
   smoothed_offset_ = trajectory_.path.back().position - filter_.position();
   auto motion = measuredMotion(trajectory_.measurements, kSpeedWindow_s + kFrameJitter_s);
   if (velocity_measured_) motion = {filter_.velocity().head<2>(), filter_.velocityCovariance()};
@@ -151,10 +154,13 @@ std::optional<ExpectedObject> TrackedObject::searchable(Time time) const {
   return object;
 }
 
-bool TrackedObject::mature() const { return hits_ >= params_->smoothing.mature_frames; }
+bool TrackedObject::mature() const {
+  return hits_ >= rate_->observationsIn(params_->smoothing.mature_time_s);
+}
 
 double TrackedObject::score() const {
-  return score_sum_ / (hits_ + all_misses_ + params_->lifecycle.score_prior_frames);
+  return score_sum_ /
+         (hits_ + all_misses_ + rate_->framesIn(params_->lifecycle.score_prior_time_s));
 }
 
 TrackStatus TrackedObject::statusAt(Time time) const {

@@ -34,9 +34,9 @@ namespace headway::objects {
 /// One trajectory S_i and the state of its object.
 class TrackedObject {
  public:
-  /// @param params  must outlive the object
+  /// @param params, rate  must outlive the object
   TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
-                const ObjectsParams& params);
+                const ObjectsParams& params, const FrameRate& rate);
 
   /// Predicts the state to the time of the next frame.
   void predict(const Transition& transition) {
@@ -100,6 +100,7 @@ class TrackedObject {
   void shrinkVelocity(Track& track) const;
 
   const ObjectsParams* params_;  ///< of the tracker; not null
+  const FrameRate* rate_;        ///< likewise
   TrackId id_;
   ClassEvidence class_;
   KalmanFilter filter_;

@@ -2,6 +2,8 @@
 // The last frames of a track's path, measured and smoothed.
 #include "trajectory.h"
 
+#include <headway/core/statistics.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -15,6 +17,15 @@ Eigen::Vector3d carriedOn(const PlaceMeasurement& place, Time time,
 }
 
 }  // namespace
+
+void FrameRate::add(Time time) {
+  constexpr std::size_t kIntervals = 10;
+  if (last_) intervals_.push_back(time - *last_);
+  last_ = time;
+  if (intervals_.empty()) return;
+  if (intervals_.size() > kIntervals) intervals_.pop_front();
+  hz_ = std::max(1.0, std::round(1.0 / median({intervals_.begin(), intervals_.end()})));
+}
 
 Eigen::Vector3d movingAverage(const std::vector<PlaceMeasurement>& measurements, int points,
                               const Eigen::Vector3d& velocity) {
@@ -47,7 +58,6 @@ void Trajectory::append(std::size_t frame, Time time, const MeasuredBox& measure
   path.push_back({frame, time, position, yaw});
   measurements.push_back({time, measured.position, measured.covariance.inverse(),
                           1.0 / measured.vertical_variance, measured.velocity});
-  ++length;
 }
 
 std::vector<TrajectoryPoint> Trajectory::finalise(std::size_t window) {
@@ -60,18 +70,19 @@ std::vector<TrajectoryPoint> Trajectory::finalise(std::size_t window) {
 }
 
 void TrajectorySmoother::refine(Trajectory& trajectory, const KalmanFilter& filter,
-                                MotionGroup group, bool standing) {
+                                MotionGroup group, bool mature, bool standing) {
   if (params_.gaussian_smoothing) blurNewest(trajectory, filter.velocity());
-  if (trajectory.length < static_cast<std::size_t>(params_.mature_frames)) {
-    blendWithFilter(trajectory, filter);
-  } else {
+  if (mature) {
     optimizeGrown(trajectory, stiffnessOf(group, standing));
+  } else {
+    blendWithFilter(trajectory, filter);
   }
 }
 
 void TrajectorySmoother::blendWithFilter(Trajectory& trajectory, const KalmanFilter& filter) const {
   const Eigen::Vector3d average =
-      movingAverage(trajectory.measurements, params_.average_frames, filter.velocity());
+      movingAverage(trajectory.measurements, std::max(1, rate_.framesIn(params_.average_time_s)),
+                    filter.velocity());
   const double w_k = params_.filter_weight;
   const double w_n = params_.average_weight;
   trajectory.path.back().position = (w_k * filter.position() + w_n * average) / (w_k + w_n);

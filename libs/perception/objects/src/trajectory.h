@@ -7,6 +7,10 @@
 #include <headway/objects/objects_params.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
 #include <vector>
 
 #include "kalman_filter.h"
@@ -14,6 +18,33 @@
 #include "motion_prior.h"
 
 namespace headway::objects {
+
+/// Interval of the frames in which objects are detected, as their times show it.
+///
+/// Frames that were dropped do not count: the median of the last intervals, in whole hertz.
+class FrameRate {
+ public:
+  /// Takes the time of the next frame.
+  void add(Time time);
+  /// The next frame may have an earlier time.
+  void restart() { last_.reset(); }
+
+  /// Number of frames in a time, to the nearest.
+  [[nodiscard]] int framesIn(double time_s) const {
+    return static_cast<int>(std::lround(time_s * hz_));
+  }
+  /// As many frames, but two at least: one observation alone proves nothing.
+  [[nodiscard]] int observationsIn(double time_s) const { return std::max(2, framesIn(time_s)); }
+  [[nodiscard]] double hz() const { return hz_; }
+
+  static constexpr double kUsual_hz =
+      10.0;  ///< before two frames are known; of given sums of scores
+
+ private:
+  double hz_ = kUsual_hz;
+  std::optional<Time> last_;
+  std::deque<double> intervals_;  ///< the last [s]
+};
 
 /// n-point moving average of measured positions, for a moving object (Sec. III-C2).
 ///
@@ -36,7 +67,6 @@ namespace headway::objects {
 struct Trajectory {
   std::vector<TrajectoryPoint> path;           ///< as smoothed, oldest first
   std::vector<PlaceMeasurement> measurements;  ///< the measured positions, same order
-  std::size_t length = 0;                      ///< |S_i|: positions since the track's start
 
   /// Appends a position; `position` is the initial value of the smoothed one.
   void append(std::size_t frame, Time time, const MeasuredBox& measured,
@@ -49,12 +79,16 @@ struct Trajectory {
 /// Smooths trajectories: short ones with a moving average, mature ones with a motion prior.
 class TrajectorySmoother {
  public:
-  explicit TrajectorySmoother(const SmoothingParams& params) : params_(params) {}
+  /// @param rate  must outlive the smoother
+  TrajectorySmoother(const SmoothingParams& params, const FrameRate& rate)
+      : params_(params), rate_(rate) {}
 
   /// Updates the path after a position was appended; lines 5 to 11 of Algorithm 1.
   ///
+  /// @param mature    the track is long enough for the prior
   /// @param standing  the object is classified as static: the prior is stiffer
-  void refine(Trajectory& trajectory, const KalmanFilter& filter, MotionGroup group, bool standing);
+  void refine(Trajectory& trajectory, const KalmanFilter& filter, MotionGroup group, bool mature,
+              bool standing);
 
  private:
   /// The newest position: weighted mean of filter and n-point moving average (Sec. III-C2).
@@ -66,6 +100,7 @@ class TrajectorySmoother {
   [[nodiscard]] PriorStiffness stiffnessOf(MotionGroup group, bool standing) const;
 
   SmoothingParams params_;
+  const FrameRate& rate_;
   MotionPriorProblem problem_;           ///< its memory is used again
   std::vector<Eigen::Vector3d> places_;  ///< buffer of one path
 };

@@ -52,7 +52,7 @@ struct HeadingParams {
   double flip_probability = 0.08;   ///< that a detector confuses front and back [-]
   double flip_log_odds = 6.0;       ///< evidence that reverses a track's heading [log-odds]
   double max_flip_log_odds = 20.0;  ///< limit of the accumulated evidence [log-odds]
-  double converged_frames = 10.0;   ///< measurements that fix a static object's heading [frames]
+  double converged_time_s = 1.0;    ///< of the measurements that fix a static object's heading [s]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
@@ -78,11 +78,11 @@ enum class MotionPriorKind {
 /// Smoothing of trajectories (Sec. III-C1 and III-C2).
 struct SmoothingParams {
   MotionPriorKind motion_prior = MotionPriorKind::kLeastForce;
-  int mature_frames = 7;        ///< tau_KF: minimum length of a mature track [frames]
+  double mature_time_s = 0.7;   ///< tau_KF: detections of a mature track, at least two [s]
   double filter_weight = 0.5;   ///< w_k, of the filter for shorter tracks [-]
   double average_weight = 0.5;  ///< w_n, of the moving average for shorter tracks [-]
-  int average_frames = 3;       ///< n of the moving average [frames]
-  int window_frames = 20;       ///< h, smoothed by the motion prior [frames]
+  double average_time_s = 0.3;  ///< n of the moving average [s]
+  double window_s = 2.0;        ///< h, smoothed by the motion prior [s]
   PerClass<double> kinetic_weight_kg = {1900.0, 500.0, 80.0};  ///< r of the paper [kg]
   double kinetic_scale_per_joule = 1e-3;  ///< weight of kinetic energy against measurements [1/J]
   PerClass<double> force_sigma_mps2 = {1.5, 1.2, 0.8};  ///< typical acceleration [m/s^2]
@@ -99,14 +99,16 @@ struct SmoothingParams {
 };
 
 /// Confirmation, coasting and deletion of tracks.
+///
+/// Times of detections are their number times the interval of the frames (FrameRate).
 struct LifecycleParams {
-  int confirm_hits = 2;                               ///< minimum detections of a confirmed track
-  PerClass<double> confirm_score = {-2.0, 2.0, 2.0};  ///< minimum sum of their scores [-]
-  int confirm_anyway_hits = 6;      ///< detections that confirm a track of any score
-  double start_score = -1.0;        ///< of a detection that starts a track [detector's scale]
-  double score_prior_frames = 5.0;  ///< frames of score 0 in every track's mean score
-  double max_coast_ratio = 1.0;     ///< frames without over frames with detection, if shown [-]
-  double max_coast_sigma_m = 0.6;   ///< position uncertainty of a shown, coasting track [m]
+  double confirm_time_s = 0.2;  ///< detections of a confirmed track, at least two [s]
+  PerClass<double> confirm_score = {-2.0, 2.0, 2.0};  ///< minimum sum of their scores, at 10 Hz [-]
+  double confirm_anyway_time_s = 0.6;  ///< detections that confirm a track of any score [s]
+  double start_score = -1.0;           ///< of a detection that starts a track [detector's scale]
+  double score_prior_time_s = 0.5;     ///< of score 0 in every track's mean score [s]
+  double max_coast_ratio = 1.0;        ///< frames without over frames with detection, if shown [-]
+  double max_coast_sigma_m = 0.6;      ///< position uncertainty of a shown, coasting track [m]
   PerClass<double> min_coast_score = {0.1, 0.5, 0.4};  ///< of such a track [detector's scale]
   double tentative_time_s = 0.35;  ///< without detection until a tentative track ends [s]
   double coast_time_s = 0.4;       ///< without detection until a confirmed track is hidden [s]

@@ -35,9 +35,9 @@ struct PaperPredictorParams {
   double recent_weight = 2.0;                       ///< w3, of the recent direction in V_p [-]
   double older_weight = -1.0;                       ///< w4, of the older direction in V_p [-]
   double spacing_s = 1.0;                           ///< between the three places that give V_p [s]
-  int speed_samples = 20;                           ///< h: steps over which the speed is averaged
-  double speed_factor = 1.0;                        ///< gamma, eq. (1) [-]
-  double epsilon_s = 1e-6;                          ///< epsilon, eq. (1) [s]
+  double speed_time_s = 2.0;  ///< h: time over which the speed is averaged [s]
+  double speed_factor = 1.0;  ///< gamma, eq. (1) [-]
+  double epsilon_s = 1e-6;    ///< epsilon, eq. (1) [s]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "objects"); }  ///< @throws InputError
