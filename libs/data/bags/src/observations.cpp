@@ -111,6 +111,16 @@ cv::Mat fromInverseDepth(const cv::Mat& values, float a, float b) {
   return millimetresFrom(metres);
 }
 
+constexpr double kScanSigmaM = 0.01;  // LaserScan states none; MRPT's default
+constexpr std::size_t kMaxBeams = 100000;
+
+/// NMEA's quality of a fix of NavSatStatus: none, plain, satellite-based, ground-based corrections.
+std::uint8_t qualityOf(int status) {
+  if (status < 0) return 0;
+  if (status == 0) return 1;
+  return status == 1 ? 2 : 4;
+}
+
 }  // namespace
 
 ConvertedImage pictureFrom(const ImageMessage& message) {
@@ -156,20 +166,6 @@ ConvertedImage depthFrom(const CompressedImageMessage& message) {
   std::memcpy(parameters.data(), message.data.data() + sizeof(std::int32_t), sizeof parameters);
   return fromInverseDepth(values, parameters[0], parameters[1]);
 }
-
-namespace {
-
-constexpr double kScanSigmaM = 0.01;  // LaserScan states none; MRPT's default
-constexpr std::size_t kMaxBeams = 100000;
-
-/// NMEA's quality of a fix of NavSatStatus: none, plain, satellite-based, ground-based corrections.
-std::uint8_t qualityOf(int status) {
-  if (status < 0) return 0;
-  if (status == 0) return 1;
-  return status == 1 ? 2 : 4;
-}
-
-}  // namespace
 
 mrpt::obs::CObservationIMU::Ptr imuObservation(const ImuMessage& message, Time time,
                                                const Pose& T_robot_imu) {

@@ -43,27 +43,6 @@ std::string asciiOf(std::string label) {
   return label;
 }
 
-}  // namespace
-
-void ClockCheck::addSample(const std::string& label, Time time) {
-  const std::string sensor = asciiOf(label);
-  if (sensors_.size() < kMaxSensors || sensors_.count(sensor) > 0) sensors_[sensor].newest = time;
-}
-
-void ClockCheck::addImage(std::size_t frame, Time time, Warnings& warnings) {
-  for (auto& [name, sensor] : sensors_) {
-    if (!sensor.newest) continue;
-    const double difference = *sensor.newest - time;
-    sensor.images = std::abs(difference) > kMaxDifference ? sensor.images + 1 : 0;
-    if (sensor.images >= kMinImages) {
-      addWarning("clocks_differ_" + name, frame, textOf(name, difference), warnings);
-    }
-    sensor.newest.reset();
-  }
-}
-
-namespace {
-
 constexpr std::size_t kMaxWaiting = 4;  // unpaired images of one side
 
 RecordedPair pairOf(const mrpt::obs::CObservationStereoImages& stereo) {
@@ -104,7 +83,75 @@ RecordedPair pairOf(const mrpt::obs::CObservation3DRangeScan& scan) {
   return pair;
 }
 
+constexpr const char* kUnmatchedLaser = "laser_between_frames";
+constexpr double kMaxItemLead = 1.0;              // of an item before its frame [s]
+constexpr int kSetBackFrames = 3;                 // that confirm that a clock was set back
+constexpr double kHalfIntervalOfOneFrame = 0.05;  // without a second frame [s]
+
+using mrpt::obs::CObservation;
+
+constexpr double kMaxSpeed =
+    100.0;  // of a robot between two recorded poses, and a second more [m/s]
+constexpr double kMaxInertialValue = 1e4;  // [m/s^2, rad/s]
+constexpr double kMaxLaserRangeM = 1e4;
+constexpr std::size_t kMaxFixes = 100000;  // between two frames
+constexpr const char* kUntakenFixes = "gnss_between_frames";
+
+/// The inertial sample transformed to the robot frame, without what is missing or not finite.
+InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
+  using namespace mrpt::obs;  // names of the IMU's fields
+  const Pose T_robot_sensor = fromMrpt(imu.sensorPose);
+  if (!isRigid(T_robot_sensor, kMaxSensorOffset_m)) return {timeFrom(imu.timestamp), {}, {}};
+  const Eigen::Matrix3d R_robot_sensor = T_robot_sensor.linear();
+  const auto vector = [&](TIMUDataIndex x, TIMUDataIndex y,
+                          TIMUDataIndex z) -> std::optional<Eigen::Vector3d> {
+    if (!imu.has(x) || !imu.has(y) || !imu.has(z)) return std::nullopt;
+    const Eigen::Vector3d value(imu.get(x), imu.get(y), imu.get(z));
+    if (!(value.cwiseAbs().maxCoeff() <= kMaxInertialValue)) return std::nullopt;
+    return Eigen::Vector3d(R_robot_sensor * value);
+  };
+  return {timeFrom(imu.timestamp), vector(IMU_WX, IMU_WY, IMU_WZ),
+          vector(IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC)};
+}
+
+/// Ends of the beams with a valid range, in the laser's frame.
+std::vector<Eigen::Vector2f> beamEnds(const mrpt::obs::CObservation2DRangeScan& scan) {
+  std::vector<Eigen::Vector2f> ends;
+  const std::size_t count = scan.getScanSize();
+  if (!std::isfinite(scan.aperture) || count < 2) return ends;
+  const float step = scan.aperture / static_cast<float>(count - 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float range = scan.getScanRange(i);
+    // A range at the limit is recorded by some drivers where nothing was met.
+    if (!scan.getScanRangeValidity(i) || !(range > 0.0F) || !(range < scan.maxRange) ||
+        range > kMaxLaserRangeM) {
+      continue;
+    }
+    const float from_right = static_cast<float>(i) * step - 0.5F * scan.aperture;
+    const float angle = scan.rightToLeft ? from_right : -from_right;
+    ends.emplace_back(range * std::cos(angle), range * std::sin(angle));
+  }
+  return ends;
+}
+
 }  // namespace
+
+void ClockCheck::addSample(const std::string& label, Time time) {
+  const std::string sensor = asciiOf(label);
+  if (sensors_.size() < kMaxSensors || sensors_.count(sensor) > 0) sensors_[sensor].newest = time;
+}
+
+void ClockCheck::addImage(std::size_t frame, Time time, Warnings& warnings) {
+  for (auto& [name, sensor] : sensors_) {
+    if (!sensor.newest) continue;
+    const double difference = *sensor.newest - time;
+    sensor.images = std::abs(difference) > kMaxDifference ? sensor.images + 1 : 0;
+    if (sensor.images >= kMinImages) {
+      addWarning("clocks_differ_" + name, frame, textOf(name, difference), warnings);
+    }
+    sensor.newest.reset();
+  }
+}
 
 RawStereoCamera rawCameraOf(const RecordedPair& pair) {
   RawStereoCamera raw;
@@ -200,15 +247,6 @@ void StereoPairing::finish() {
 void StereoPairing::countUnpaired(std::size_t images) {
   if (images > 0) skipped_["unpaired_image"] += images;
 }
-
-namespace {
-
-constexpr const char* kUnmatchedLaser = "laser_between_frames";
-constexpr double kMaxItemLead = 1.0;              // of an item before its frame [s]
-constexpr int kSetBackFrames = 3;                 // that confirm that a clock was set back
-constexpr double kHalfIntervalOfOneFrame = 0.05;  // without a second frame [s]
-
-}  // namespace
 
 bool FrameAssembler::addFrame(PendingFrame frame) {
   frame.index = next_index_++;
@@ -354,56 +392,6 @@ std::optional<Item> FrameAssembler::takeNearest(std::deque<Item>& items, Time ti
   items = std::move(later);
   return nearest;
 }
-
-namespace {
-
-using mrpt::obs::CObservation;
-
-constexpr double kMaxSpeed =
-    100.0;  // of a robot between two recorded poses, and a second more [m/s]
-constexpr double kMaxInertialValue = 1e4;  // [m/s^2, rad/s]
-constexpr double kMaxLaserRangeM = 1e4;
-constexpr std::size_t kMaxFixes = 100000;  // between two frames
-constexpr const char* kUntakenFixes = "gnss_between_frames";
-
-/// The inertial sample transformed to the robot frame, without what is missing or not finite.
-InertialSample sampleFrom(const mrpt::obs::CObservationIMU& imu) {
-  using namespace mrpt::obs;  // names of the IMU's fields
-  const Pose T_robot_sensor = fromMrpt(imu.sensorPose);
-  if (!isRigid(T_robot_sensor, kMaxSensorOffset_m)) return {timeFrom(imu.timestamp), {}, {}};
-  const Eigen::Matrix3d R_robot_sensor = T_robot_sensor.linear();
-  const auto vector = [&](TIMUDataIndex x, TIMUDataIndex y,
-                          TIMUDataIndex z) -> std::optional<Eigen::Vector3d> {
-    if (!imu.has(x) || !imu.has(y) || !imu.has(z)) return std::nullopt;
-    const Eigen::Vector3d value(imu.get(x), imu.get(y), imu.get(z));
-    if (!(value.cwiseAbs().maxCoeff() <= kMaxInertialValue)) return std::nullopt;
-    return Eigen::Vector3d(R_robot_sensor * value);
-  };
-  return {timeFrom(imu.timestamp), vector(IMU_WX, IMU_WY, IMU_WZ),
-          vector(IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC)};
-}
-
-/// Ends of the beams with a valid range, in the laser's frame.
-std::vector<Eigen::Vector2f> beamEnds(const mrpt::obs::CObservation2DRangeScan& scan) {
-  std::vector<Eigen::Vector2f> ends;
-  const std::size_t count = scan.getScanSize();
-  if (!std::isfinite(scan.aperture) || count < 2) return ends;
-  const float step = scan.aperture / static_cast<float>(count - 1);
-  for (std::size_t i = 0; i < count; ++i) {
-    const float range = scan.getScanRange(i);
-    // A range at the limit is recorded by some drivers where nothing was met.
-    if (!scan.getScanRangeValidity(i) || !(range > 0.0F) || !(range < scan.maxRange) ||
-        range > kMaxLaserRangeM) {
-      continue;
-    }
-    const float from_right = static_cast<float>(i) * step - 0.5F * scan.aperture;
-    const float angle = scan.rightToLeft ? from_right : -from_right;
-    ends.emplace_back(range * std::cos(angle), range * std::sin(angle));
-  }
-  return ends;
-}
-
-}  // namespace
 
 void FrameCollector::add(const CObservation::Ptr& observation, double arrival_s) {
   compareClocks(*observation);

@@ -156,46 +156,6 @@ class CornerMatcher {
   const CalibrationMatching& params_;
 };
 
-}  // namespace
-
-CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
-                                     const StereoCamera& camera,
-                                     const CalibrationMatching& params) {
-  const CornerMatcher matcher(params);
-  const auto left_corners = matcher.spreadCorners(left);
-  const auto right_corners = matcher.spreadCorners(right);
-  const double max_disparity = params.max_disparity_ratio * left.cols;
-  std::vector<double> vertical;
-  std::vector<double> horizontal;
-  for (const auto& corner : left_corners) {
-    const Corner* match = matcher.bestMatch(corner, right_corners, max_disparity);
-    if (match == nullptr) continue;
-    const Corner* back = matcher.bestMatch(*match, left_corners, max_disparity);
-    if (back == nullptr || !matcher.areNeighbours(*back, corner)) continue;
-    const cv::Point2d place = matcher.refined(corner, *match, right);
-    horizontal.push_back(corner.u - place.x);
-    vertical.push_back(std::abs(corner.v - place.y));
-  }
-  CalibrationReport report;
-  report.baseline_m = camera.baseline_m;
-  report.focal_px = camera.fx;
-  report.vertical_disparity_px = median(vertical);
-  report.median_disparity_px = median(horizontal);
-  report.matches = horizontal.size();
-  return report;
-}
-
-void requireNotSwapped(const CalibrationReport& report) {
-  if (report.matches < kMinMatches || report.median_disparity_px > kSwappedDisparity) return;
-  throw InputError(
-      "stereo calibration: the median disparity of " + std::to_string(report.matches) +
-      " matches is " + std::to_string(report.median_disparity_px) +
-      " px; it must be positive: left and right images are swapped; exchange them, for two "
-      "cameras by --sensor-label RIGHT,LEFT");
-}
-
-namespace {
-
 /// A baseline of metres belongs to no robot: it is recorded in another unit.
 void requireBaselineInMetres(const StereoCamera& camera) {
   if (camera.baseline_m <= kMaxBaseline_m) return;
@@ -237,6 +197,42 @@ void requireSize(const cv::Size& size, const RawCamera& lens, const std::string&
 }
 
 }  // namespace
+
+CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
+                                     const StereoCamera& camera,
+                                     const CalibrationMatching& params) {
+  const CornerMatcher matcher(params);
+  const auto left_corners = matcher.spreadCorners(left);
+  const auto right_corners = matcher.spreadCorners(right);
+  const double max_disparity = params.max_disparity_ratio * left.cols;
+  std::vector<double> vertical;
+  std::vector<double> horizontal;
+  for (const auto& corner : left_corners) {
+    const Corner* match = matcher.bestMatch(corner, right_corners, max_disparity);
+    if (match == nullptr) continue;
+    const Corner* back = matcher.bestMatch(*match, left_corners, max_disparity);
+    if (back == nullptr || !matcher.areNeighbours(*back, corner)) continue;
+    const cv::Point2d place = matcher.refined(corner, *match, right);
+    horizontal.push_back(corner.u - place.x);
+    vertical.push_back(std::abs(corner.v - place.y));
+  }
+  CalibrationReport report;
+  report.baseline_m = camera.baseline_m;
+  report.focal_px = camera.fx;
+  report.vertical_disparity_px = median(vertical);
+  report.median_disparity_px = median(horizontal);
+  report.matches = horizontal.size();
+  return report;
+}
+
+void requireNotSwapped(const CalibrationReport& report) {
+  if (report.matches < kMinMatches || report.median_disparity_px > kSwappedDisparity) return;
+  throw InputError(
+      "stereo calibration: the median disparity of " + std::to_string(report.matches) +
+      " matches is " + std::to_string(report.median_disparity_px) +
+      " px; it must be positive: left and right images are swapped; exchange them, for two "
+      "cameras by --sensor-label RIGHT,LEFT");
+}
 
 std::optional<DecodedPair> FrameDecoder::decode(const RecordedPair& pair) {
   DecodedPair result;

@@ -180,23 +180,6 @@ cv::Mat withoutTransparency(const cv::Mat& image) {
   return result;
 }
 
-}  // namespace
-
-cv::Mat decodeDepthImage(std::string_view bytes) {
-  if (!beginsWith(bytes, "\x89PNG\r\n\x1a\n")) return {};
-  const cv::Mat image = decodedWithinLimits(bytes);
-  return image.type() == CV_16UC1 ? image : cv::Mat();
-}
-
-cv::Mat decodeImage(std::string_view bytes) {
-  if (beginsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes);
-  return withoutTransparency(decodedWithinLimits(bytes));
-}
-
-bool isDeepImage(std::string_view bytes) { return decodedWithinLimits(bytes).depth() == CV_16U; }
-
-namespace {
-
 constexpr std::uintmax_t kMaxFileBytes = 1 << 28;  // of an image, more than any within the limits
 
 /// The content of an image file; empty if it is missing or larger than any.
@@ -212,6 +195,19 @@ std::string imageBytesOf(const std::string& path) {
 }
 
 }  // namespace
+
+cv::Mat decodeDepthImage(std::string_view bytes) {
+  if (!beginsWith(bytes, "\x89PNG\r\n\x1a\n")) return {};
+  const cv::Mat image = decodedWithinLimits(bytes);
+  return image.type() == CV_16UC1 ? image : cv::Mat();
+}
+
+cv::Mat decodeImage(std::string_view bytes) {
+  if (beginsWith(bytes, "\xFF\xD8\xFF")) return decodeJpeg(bytes);
+  return withoutTransparency(decodedWithinLimits(bytes));
+}
+
+bool isDeepImage(std::string_view bytes) { return decodedWithinLimits(bytes).depth() == CV_16U; }
 
 cv::Mat loadImage(const std::string& path) { return decodeImage(imageBytesOf(path)); }
 

@@ -445,38 +445,6 @@ void addSensors(const std::vector<OxtsPacket>& packets, const Pose& T_robot_imu,
   }
 }
 
-}  // namespace
-
-DatasetFrame KittiRawDrive::Frame::load() const {
-  DatasetFrame frame;
-  frame.time = time;
-  frame.left = requireImage(images.left);
-  frame.right = requireImage(images.right);
-  frame.truth_T_map_robot = truth_T_map_robot;
-  return frame;
-}
-
-KittiRawDrive readKittiRawDrive(const fs::path& folder, OxtsPath path) {
-  if (!fs::is_directory(folder)) throw InputError(folder.string() + ": is not a folder");
-  const fs::path given = folder.filename().empty() ? folder.parent_path() : folder;
-  const auto day = readDay(fs::absolute(given).parent_path());
-  KittiRawDrive drive;
-  readFrames(folder, drive);
-  const auto& first = drive.frames.front().images;
-  requireRectified(requireImage(first.left), day.size, first.left);
-  drive.camera = kittiCamera(day.P_left, day.size, day.P_right, requireImage(first.right).size());
-  drive.T_cam_velo = day.T_cam_velo;
-  if (fs::is_directory(folder / "oxts")) {
-    const auto packets = readOxts((folder / "oxts").string(), drive.dropped);
-    const Pose T_robot_imu = robotFromOptical() * day.T_cam_imu;
-    addTruth(oxtsPath(packets, path), T_robot_imu.inverse(), drive);
-    addSensors(packets, T_robot_imu, drive);
-  }
-  return drive;
-}
-
-namespace {
-
 class KittiRaw : public Dataset {
  public:
   KittiRaw(const fs::path& folder, OxtsPath path) : drive_(readKittiRawDrive(folder, path)) {
@@ -513,6 +481,34 @@ class KittiRaw : public Dataset {
 };
 
 }  // namespace
+
+DatasetFrame KittiRawDrive::Frame::load() const {
+  DatasetFrame frame;
+  frame.time = time;
+  frame.left = requireImage(images.left);
+  frame.right = requireImage(images.right);
+  frame.truth_T_map_robot = truth_T_map_robot;
+  return frame;
+}
+
+KittiRawDrive readKittiRawDrive(const fs::path& folder, OxtsPath path) {
+  if (!fs::is_directory(folder)) throw InputError(folder.string() + ": is not a folder");
+  const fs::path given = folder.filename().empty() ? folder.parent_path() : folder;
+  const auto day = readDay(fs::absolute(given).parent_path());
+  KittiRawDrive drive;
+  readFrames(folder, drive);
+  const auto& first = drive.frames.front().images;
+  requireRectified(requireImage(first.left), day.size, first.left);
+  drive.camera = kittiCamera(day.P_left, day.size, day.P_right, requireImage(first.right).size());
+  drive.T_cam_velo = day.T_cam_velo;
+  if (fs::is_directory(folder / "oxts")) {
+    const auto packets = readOxts((folder / "oxts").string(), drive.dropped);
+    const Pose T_robot_imu = robotFromOptical() * day.T_cam_imu;
+    addTruth(oxtsPath(packets, path), T_robot_imu.inverse(), drive);
+    addSensors(packets, T_robot_imu, drive);
+  }
+  return drive;
+}
 
 OxtsPath oxtsPathFrom(const std::string& name) {
   if (name == "positions") return OxtsPath::kPositions;

@@ -20,6 +20,16 @@ namespace {
 
 using mrpt::obs::CObservation;
 
+// Number of poses without any image after which a rawlog is taken to contain only poses.
+constexpr std::size_t kPosesWithoutImages = 1000;
+
+template <typename Map>
+std::string keysOf(const Map& map) {
+  std::string text;
+  for (const auto& [key, value] : map) text += (text.empty() ? "'" : ", '") + printable(key) + "'";
+  return text;
+}
+
 }  // namespace
 
 CameraChoice UsefulObservations::findCamera() {
@@ -103,20 +113,6 @@ bool isRecordedDetections(const mrpt::obs::CObservation& observation) {
   return observation.sensorLabel == kDetectionsLabel &&
          dynamic_cast<const CObservationObjectDetections*>(&observation) != nullptr;
 }
-
-namespace {
-
-// Number of poses without any image after which a rawlog is taken to contain only poses.
-constexpr std::size_t kPosesWithoutImages = 1000;
-
-template <typename Map>
-std::string keysOf(const Map& map) {
-  std::string text;
-  for (const auto& [key, value] : map) text += (text.empty() ? "'" : ", '") + printable(key) + "'";
-  return text;
-}
-
-}  // namespace
 
 void CameraProbe::add(const mrpt::obs::CObservation& observation) {
   if (const auto* stereo = dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation)) {

@@ -132,6 +132,64 @@ void validateLens(const RawCamera& camera, const std::string& side) {
   for (const double k : camera.rational) require(std::isfinite(k), "distortion coefficient", k);
 }
 
+constexpr float kNearestM = 0.05F;  // nearer is nothing [m]
+// Between depth and intensity camera: beyond it, ground beside an obstacle that the depth camera
+// does not measure would appear in the obstacle's place.
+constexpr double kMaxOffsetM = 0.15;
+constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
+// Between the pixels of one surface:
+constexpr float kStep = 3.0F;              // [px]
+constexpr float kStepRatio = 0.06F;        // or this ratio of the disparity
+constexpr float kMaxTriangleSide = 64.0F;  // of a triangle between neighbouring pixels [px]
+constexpr float kRounding = 1e-3F;         // of a pixel on an edge, relative to a triangle
+
+bool isSameLens(const RawCamera& lens, const StereoCamera& camera) {
+  const auto is_set = [](double k) { return k != 0.0; };
+  return lens.width == camera.width && lens.height == camera.height && lens.fx == camera.fx &&
+         lens.fy == camera.fy && lens.cx == camera.cx && lens.cy == camera.cy && !lens.is_fisheye &&
+         std::none_of(lens.distortion.begin(), lens.distortion.end(), is_set) &&
+         std::none_of(lens.rational.begin(), lens.rational.end(), is_set);
+}
+
+/// A depth pixel in the intensity image.
+using Point = cv::Vec3f;  // u, v, disparity [px]; disparity 0: nothing was measured
+
+/// Whether three pixels are of one surface.
+bool isSurface(const Point& a, const Point& b, const Point& c) {
+  const auto [least, most] = std::minmax({a[2], b[2], c[2]});
+  return least > 0.0F && most - least <= std::max(kStep, kStepRatio * most);
+}
+
+/// Fills a triangle; disparities are linear in the image on a plane. The nearest surface counts.
+void fill(const Point& a, const Point& b, const Point& c, cv::Mat& disparities) {
+  if (!isSurface(a, b, c)) return;
+  const auto [left, right] = std::minmax({a[0], b[0], c[0]});
+  const auto [top, bottom] = std::minmax({a[1], b[1], c[1]});
+  // Pixels at the edge of a lens may be anywhere.
+  const bool is_inside = right >= 0.0F && bottom >= 0.0F &&
+                         left <= static_cast<float>(disparities.cols) &&
+                         top <= static_cast<float>(disparities.rows);
+  if (!is_inside || right - left > kMaxTriangleSide || bottom - top > kMaxTriangleSide) return;
+  const float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+  if (!(area > 0.0F)) return;  // seen from behind
+  const int last_u =
+      std::min(disparities.cols - 1, static_cast<int>(std::floor(right + kRounding)));
+  const int last_v =
+      std::min(disparities.rows - 1, static_cast<int>(std::floor(bottom + kRounding)));
+  const int first_u = std::max(0, static_cast<int>(std::ceil(left - kRounding)));
+  for (int v = std::max(0, static_cast<int>(std::ceil(top - kRounding))); v <= last_v; ++v) {
+    auto* row = disparities.ptr<float>(v);
+    for (int u = first_u; u <= last_u; ++u) {
+      const float du = static_cast<float>(u) - a[0];
+      const float dv = static_cast<float>(v) - a[1];
+      const float of_b = (du * (c[1] - a[1]) - (c[0] - a[0]) * dv) / area;
+      const float of_c = ((b[0] - a[0]) * dv - du * (b[1] - a[1])) / area;
+      if (of_b < -kRounding || of_c < -kRounding || of_b + of_c > 1.0F + kRounding) continue;
+      row[u] = std::max(row[u], a[2] + of_b * (b[2] - a[2]) + of_c * (c[2] - a[2]));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<cv::Point2d> raysOf(const std::vector<cv::Point2d>& pixels, const RawCamera& lens) {
@@ -235,68 +293,6 @@ Box2d Rectifier::rectify(const Box2d& box) const {
   }
   return result;
 }
-
-namespace {
-
-constexpr float kNearestM = 0.05F;  // nearer is nothing [m]
-// Between depth and intensity camera: beyond it, ground beside an obstacle that the depth camera
-// does not measure would appear in the obstacle's place.
-constexpr double kMaxOffsetM = 0.15;
-constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
-// Between the pixels of one surface:
-constexpr float kStep = 3.0F;              // [px]
-constexpr float kStepRatio = 0.06F;        // or this ratio of the disparity
-constexpr float kMaxTriangleSide = 64.0F;  // of a triangle between neighbouring pixels [px]
-constexpr float kRounding = 1e-3F;         // of a pixel on an edge, relative to a triangle
-
-bool isSameLens(const RawCamera& lens, const StereoCamera& camera) {
-  const auto is_set = [](double k) { return k != 0.0; };
-  return lens.width == camera.width && lens.height == camera.height && lens.fx == camera.fx &&
-         lens.fy == camera.fy && lens.cx == camera.cx && lens.cy == camera.cy && !lens.is_fisheye &&
-         std::none_of(lens.distortion.begin(), lens.distortion.end(), is_set) &&
-         std::none_of(lens.rational.begin(), lens.rational.end(), is_set);
-}
-
-/// A depth pixel in the intensity image.
-using Point = cv::Vec3f;  // u, v, disparity [px]; disparity 0: nothing was measured
-
-/// Whether three pixels are of one surface.
-bool isSurface(const Point& a, const Point& b, const Point& c) {
-  const auto [least, most] = std::minmax({a[2], b[2], c[2]});
-  return least > 0.0F && most - least <= std::max(kStep, kStepRatio * most);
-}
-
-/// Fills a triangle; disparities are linear in the image on a plane. The nearest surface counts.
-void fill(const Point& a, const Point& b, const Point& c, cv::Mat& disparities) {
-  if (!isSurface(a, b, c)) return;
-  const auto [left, right] = std::minmax({a[0], b[0], c[0]});
-  const auto [top, bottom] = std::minmax({a[1], b[1], c[1]});
-  // Pixels at the edge of a lens may be anywhere.
-  const bool is_inside = right >= 0.0F && bottom >= 0.0F &&
-                         left <= static_cast<float>(disparities.cols) &&
-                         top <= static_cast<float>(disparities.rows);
-  if (!is_inside || right - left > kMaxTriangleSide || bottom - top > kMaxTriangleSide) return;
-  const float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-  if (!(area > 0.0F)) return;  // seen from behind
-  const int last_u =
-      std::min(disparities.cols - 1, static_cast<int>(std::floor(right + kRounding)));
-  const int last_v =
-      std::min(disparities.rows - 1, static_cast<int>(std::floor(bottom + kRounding)));
-  const int first_u = std::max(0, static_cast<int>(std::ceil(left - kRounding)));
-  for (int v = std::max(0, static_cast<int>(std::ceil(top - kRounding))); v <= last_v; ++v) {
-    auto* row = disparities.ptr<float>(v);
-    for (int u = first_u; u <= last_u; ++u) {
-      const float du = static_cast<float>(u) - a[0];
-      const float dv = static_cast<float>(v) - a[1];
-      const float of_b = (du * (c[1] - a[1]) - (c[0] - a[0]) * dv) / area;
-      const float of_c = ((b[0] - a[0]) * dv - du * (b[1] - a[1])) / area;
-      if (of_b < -kRounding || of_c < -kRounding || of_b + of_c > 1.0F + kRounding) continue;
-      row[u] = std::max(row[u], a[2] + of_b * (b[2] - a[2]) + of_c * (c[2] - a[2]));
-    }
-  }
-}
-
-}  // namespace
 
 void validate(const RawDepthCamera& camera) {
   const auto refuse = [](const std::string& reason) {

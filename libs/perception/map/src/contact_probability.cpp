@@ -38,6 +38,20 @@ Chord chordAt(const std::vector<Vector2d>& polygon, double x) {
   return chord;
 }
 
+struct Dated {
+  double horizon_s;
+  PathSample sample;
+};
+
+/// Number 0 is the track itself, number i the i-th point of the path.
+Dated pointOf(const Track& track, const PredictedPath& path, std::size_t i) {
+  if (i == 0) {
+    return {0.0, {track.position.head<2>(), track.position_covariance.topLeftCorner<2, 2>()}};
+  }
+  const auto& point = path.points[i - 1];
+  return {point.horizon_s, {point.position.head<2>(), point.covariance}};
+}
+
 }  // namespace
 
 double FootprintShape::radius() const {
@@ -104,24 +118,6 @@ double probabilityInside(const std::vector<Vector2d>& polygon, const Vector2d& m
   }
   return std::clamp(sum, 0.0, 1.0);
 }
-
-namespace {
-
-struct Dated {
-  double horizon_s;
-  PathSample sample;
-};
-
-/// Number 0 is the track itself, number i the i-th point of the path.
-Dated pointOf(const Track& track, const PredictedPath& path, std::size_t i) {
-  if (i == 0) {
-    return {0.0, {track.position.head<2>(), track.position_covariance.topLeftCorner<2, 2>()}};
-  }
-  const auto& point = path.points[i - 1];
-  return {point.horizon_s, {point.position.head<2>(), point.covariance}};
-}
-
-}  // namespace
 
 PathSample samplePath(const Track& track, const PredictedPath& path, double horizon_s) {
   const auto& points = path.points;

@@ -49,24 +49,6 @@ Eigen::Matrix3d eulerRates(double pitch, double roll) {
   return rates;
 }
 
-}  // namespace
-
-mrpt::poses::CPose3DPDFGaussian toMrptPdf(const Pose& T_map_robot,
-                                          const PoseCovariance& covariance) {
-  mrpt::poses::CPose3DPDFGaussian pdf;
-  pdf.mean = toMrpt(T_map_robot);
-  PoseCovariance jacobian = PoseCovariance::Zero();
-  jacobian.topLeftCorner<3, 3>() = T_map_robot.linear();
-  jacobian.bottomRightCorner<3, 3>() = eulerRates(pdf.mean.pitch(), pdf.mean.roll());
-  const PoseCovariance mapped = jacobian * covariance * jacobian.transpose();
-  for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column < 6; ++column) pdf.cov(row, column) = mapped(row, column);
-  }
-  return pdf;
-}
-
-namespace {
-
 using PositionById = std::unordered_map<LandmarkId, Eigen::Vector3d>;
 
 /// A range scan with points only. CObservationPointCloud is not used, because MRPT before 2.11
@@ -94,24 +76,6 @@ mrpt::obs::CObservation3DRangeScan::Ptr scanOf(const slam::KeyframeView& keyfram
   return scan;
 }
 
-}  // namespace
-
-void writeSimpleMap(const std::string& path, const slam::MapView& static_map) {
-  PositionById positions;
-  for (const auto& landmark : static_map.landmarks) positions[landmark.id] = landmark.position;
-  mrpt::maps::CSimpleMap simple_map;
-  for (const auto& keyframe : static_map.keyframes) {
-    auto frame = mrpt::obs::CSensoryFrame::Create();
-    frame->insert(scanOf(keyframe, positions));
-    simple_map.insert(mrpt::poses::CPose3DPDFGaussian::Create(
-                          toMrptPdf(keyframe.T_map_robot, keyframe.covariance)),
-                      frame);
-  }
-  writeObject(path, simple_map);
-}
-
-namespace {
-
 /// Hand-written because MRPT's saveToPlyFile omits colours and adds an empty list of faces.
 ///
 /// @param about       the points, with their frame and unit
@@ -128,39 +92,6 @@ void writePly(const std::string& path, const char* about, const char* properties
   write_vertices(file.stream());
   file.commit();
 }
-
-}  // namespace
-
-void writePly(const std::string& path, const slam::MapView& static_map) {
-  const auto& landmarks = static_map.landmarks;
-  writePly(path, "landmarks of headway", "property float intensity\n", landmarks.size(),
-           [&](std::ostream& out) {
-             for (const auto& landmark : landmarks) {
-               ByteWriter vertex;
-               vertex.matrix(landmark.position.cast<float>());
-               vertex.value(static_cast<float>(landmark.intensity) / 255.f);
-               for (int channel = 0; channel < 3; ++channel) vertex.value(landmark.intensity);
-               out << vertex.bytes;
-             }
-           });
-}
-
-void writePly(const std::string& path, const mrpt::maps::CPointsMap& points) {
-  writePly(path, "dense static map of headway", "", points.size(), [&](std::ostream& out) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      Eigen::Array3f place, colour;
-      points.getPointRGB(i, place.x(), place.y(), place.z(), colour.x(), colour.y(), colour.z());
-      ByteWriter vertex;
-      vertex.matrix(place.matrix());
-      for (const float channel : colour) {
-        vertex.value(static_cast<std::uint8_t>(std::lround(255.0F * channel)));
-      }
-      out << vertex.bytes;
-    }
-  });
-}
-
-namespace {
 
 // Thresholds and grey levels of ROS' map_server, of the probability that a cell is occupied.
 constexpr double kMaxFree = 0.196, kMinOccupied = 0.65;
@@ -195,6 +126,63 @@ void writeDescription(const std::string& path, const std::string& picture,
 }
 
 }  // namespace
+
+mrpt::poses::CPose3DPDFGaussian toMrptPdf(const Pose& T_map_robot,
+                                          const PoseCovariance& covariance) {
+  mrpt::poses::CPose3DPDFGaussian pdf;
+  pdf.mean = toMrpt(T_map_robot);
+  PoseCovariance jacobian = PoseCovariance::Zero();
+  jacobian.topLeftCorner<3, 3>() = T_map_robot.linear();
+  jacobian.bottomRightCorner<3, 3>() = eulerRates(pdf.mean.pitch(), pdf.mean.roll());
+  const PoseCovariance mapped = jacobian * covariance * jacobian.transpose();
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) pdf.cov(row, column) = mapped(row, column);
+  }
+  return pdf;
+}
+
+void writeSimpleMap(const std::string& path, const slam::MapView& static_map) {
+  PositionById positions;
+  for (const auto& landmark : static_map.landmarks) positions[landmark.id] = landmark.position;
+  mrpt::maps::CSimpleMap simple_map;
+  for (const auto& keyframe : static_map.keyframes) {
+    auto frame = mrpt::obs::CSensoryFrame::Create();
+    frame->insert(scanOf(keyframe, positions));
+    simple_map.insert(mrpt::poses::CPose3DPDFGaussian::Create(
+                          toMrptPdf(keyframe.T_map_robot, keyframe.covariance)),
+                      frame);
+  }
+  writeObject(path, simple_map);
+}
+
+void writePly(const std::string& path, const slam::MapView& static_map) {
+  const auto& landmarks = static_map.landmarks;
+  writePly(path, "landmarks of headway", "property float intensity\n", landmarks.size(),
+           [&](std::ostream& out) {
+             for (const auto& landmark : landmarks) {
+               ByteWriter vertex;
+               vertex.matrix(landmark.position.cast<float>());
+               vertex.value(static_cast<float>(landmark.intensity) / 255.f);
+               for (int channel = 0; channel < 3; ++channel) vertex.value(landmark.intensity);
+               out << vertex.bytes;
+             }
+           });
+}
+
+void writePly(const std::string& path, const mrpt::maps::CPointsMap& points) {
+  writePly(path, "dense static map of headway", "", points.size(), [&](std::ostream& out) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Eigen::Array3f place, colour;
+      points.getPointRGB(i, place.x(), place.y(), place.z(), colour.x(), colour.y(), colour.z());
+      ByteWriter vertex;
+      vertex.matrix(place.matrix());
+      for (const float channel : colour) {
+        vertex.value(static_cast<std::uint8_t>(std::lround(255.0F * channel)));
+      }
+      out << vertex.bytes;
+    }
+  });
+}
 
 void writeStaticGrid(const std::string& prefix, const mrpt::maps::COccupancyGridMap2D& grid) {
   writeObject(prefix + ".gridmap.gz", grid);

@@ -13,6 +13,64 @@ constexpr float kBeyond = 1.5F;       // of the greatest depth, what a scan can 
 constexpr double kMaxGradient = 0.5;  // of a surface's disparity, which is b / h on the ground
 constexpr int kMaxSteps = 16;
 
+constexpr double kSameTime_s = 1e-3;  // less than between frames
+
+/// The cells of a scan of which `keep` has an entry for each known one.
+DepthScan kept(const DepthScan& scan, const std::vector<bool>& keep) {
+  DepthScan part;
+  part.time = scan.time;
+  part.grid = scan.grid;
+  part.known.assign(scan.known.size(), 0);
+  const std::size_t channels = scan.hasColour() ? 3 : 1;
+  std::size_t point = 0;
+  for (std::size_t cell = 0; cell < scan.grid.cells(); ++cell) {
+    if (!scan.isKnown(cell)) continue;
+    const std::size_t at = point++;
+    if (!keep[at]) continue;
+    part.known[cell / 8] |= static_cast<std::uint8_t>(1U << (cell % 8));
+    part.disparity.push_back(scan.disparity[at]);
+    const auto colour = scan.colour.begin() + static_cast<std::ptrdiff_t>(channels * at);
+    part.colour.insert(part.colour.end(), colour, colour + static_cast<std::ptrdiff_t>(channels));
+  }
+  return part;
+}
+
+/// A box as a scan sees it.
+struct BoxInView {
+  Eigen::AlignedBox2d cells;  ///< columns and rows
+  Pose T_box_cam = Pose::Identity();
+  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< [m]
+};
+
+/// nullopt if a box is out of view; one that reaches behind the camera may be anywhere in view.
+std::optional<BoxInView> inView(const UprightBox& box, const Pose& T_odom_cam,
+                                const DepthScanGrid& grid) {
+  Pose T_odom_box = Pose::Identity();
+  T_odom_box.translate(box.centre).rotate(Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()));
+  BoxInView seen;
+  seen.T_box_cam = T_odom_box.inverse() * T_odom_cam;
+  const double depth = (T_odom_cam.inverse() * box.centre).z();
+  const double sigma = grid.sigma_disparity_px / grid.focal_baseline * depth * depth;
+  const double margin = box.margin_m + kDepthSigmas * sigma;
+  seen.half_size = 0.5 * box.size + Eigen::Vector3d::Constant(margin);
+  if (depth < -seen.half_size.norm()) return std::nullopt;
+  const Eigen::AlignedBox2d all(Eigen::Vector2d::Zero(),
+                                Eigen::Vector2d(grid.columns - 1, grid.rows - 1));
+  const Eigen::AlignedBox3d corners(-seen.half_size, seen.half_size);
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d p =
+        seen.T_box_cam.inverse() * corners.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+    if (p.z() < kMinDepth) {
+      seen.cells = all;
+      return seen;
+    }
+    seen.cells.extend(Eigen::Vector2d((grid.fx * p.x() / p.z() + grid.cx - grid.u0) / grid.step_u,
+                                      (grid.fy * p.y() / p.z() + grid.cy - grid.v0) / grid.step_v));
+  }
+  if (!seen.cells.intersects(all)) return std::nullopt;
+  return seen;
+}
+
 }  // namespace
 
 ScanView::ScanView(const DepthScan& scan, const Pose& T_map_robot, const Eigen::Vector2d& corner)
@@ -89,68 +147,6 @@ float ScanView::nearestRound(const Look& look) const {
   }
   return depthOf(static_cast<float>(greatest));
 }
-
-namespace {
-
-constexpr double kSameTime_s = 1e-3;  // less than between frames
-
-/// The cells of a scan of which `keep` has an entry for each known one.
-DepthScan kept(const DepthScan& scan, const std::vector<bool>& keep) {
-  DepthScan part;
-  part.time = scan.time;
-  part.grid = scan.grid;
-  part.known.assign(scan.known.size(), 0);
-  const std::size_t channels = scan.hasColour() ? 3 : 1;
-  std::size_t point = 0;
-  for (std::size_t cell = 0; cell < scan.grid.cells(); ++cell) {
-    if (!scan.isKnown(cell)) continue;
-    const std::size_t at = point++;
-    if (!keep[at]) continue;
-    part.known[cell / 8] |= static_cast<std::uint8_t>(1U << (cell % 8));
-    part.disparity.push_back(scan.disparity[at]);
-    const auto colour = scan.colour.begin() + static_cast<std::ptrdiff_t>(channels * at);
-    part.colour.insert(part.colour.end(), colour, colour + static_cast<std::ptrdiff_t>(channels));
-  }
-  return part;
-}
-
-/// A box as a scan sees it.
-struct BoxInView {
-  Eigen::AlignedBox2d cells;  ///< columns and rows
-  Pose T_box_cam = Pose::Identity();
-  Eigen::Vector3d half_size = Eigen::Vector3d::Zero();  ///< [m]
-};
-
-/// nullopt if a box is out of view; one that reaches behind the camera may be anywhere in view.
-std::optional<BoxInView> inView(const UprightBox& box, const Pose& T_odom_cam,
-                                const DepthScanGrid& grid) {
-  Pose T_odom_box = Pose::Identity();
-  T_odom_box.translate(box.centre).rotate(Eigen::AngleAxisd(box.yaw, Eigen::Vector3d::UnitZ()));
-  BoxInView seen;
-  seen.T_box_cam = T_odom_box.inverse() * T_odom_cam;
-  const double depth = (T_odom_cam.inverse() * box.centre).z();
-  const double sigma = grid.sigma_disparity_px / grid.focal_baseline * depth * depth;
-  const double margin = box.margin_m + kDepthSigmas * sigma;
-  seen.half_size = 0.5 * box.size + Eigen::Vector3d::Constant(margin);
-  if (depth < -seen.half_size.norm()) return std::nullopt;
-  const Eigen::AlignedBox2d all(Eigen::Vector2d::Zero(),
-                                Eigen::Vector2d(grid.columns - 1, grid.rows - 1));
-  const Eigen::AlignedBox3d corners(-seen.half_size, seen.half_size);
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3d p =
-        seen.T_box_cam.inverse() * corners.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-    if (p.z() < kMinDepth) {
-      seen.cells = all;
-      return seen;
-    }
-    seen.cells.extend(Eigen::Vector2d((grid.fx * p.x() / p.z() + grid.cx - grid.u0) / grid.step_u,
-                                      (grid.fy * p.y() / p.z() + grid.cy - grid.v0) / grid.step_v));
-  }
-  if (!seen.cells.intersects(all)) return std::nullopt;
-  return seen;
-}
-
-}  // namespace
 
 DepthScan cropped(const DepthScan& scan, const Pose& T_map_robot, const Eigen::AlignedBox3d& box) {
   std::vector<bool> is_inside;

@@ -52,14 +52,6 @@ class ObservationQueue {
   bool closed_ = false;
 };
 
-}  // namespace headway::io
-
-namespace mrpt::obs {
-class CObservation;
-}
-
-namespace headway::io {
-
 /// Selection and options of RawlogSource.
 struct RawlogSourceOptions {
   /// Label of the stereo camera, or "LEFT,RIGHT" for two cameras; empty: the only one.

@@ -11,6 +11,10 @@
 #include <utility>
 #include <vector>
 
+namespace mrpt::opengl {
+class CSetOfTriangles;
+}
+
 namespace headway::map {
 
 /// Corners of a track's box in the map frame [m]: four on the ground, then the four above them;
@@ -45,14 +49,6 @@ inline constexpr std::array<std::pair<int, int>, 12> kBoxEdges = {{{0, 1},
 /// The dashes of a polyline: `dash` [m] drawn and `gap` [m] omitted alternately.
 [[nodiscard]] std::vector<std::vector<Eigen::Vector3d>> dashesOf(
     const std::vector<Eigen::Vector3d>& polyline, double dash, double gap);
-
-}  // namespace headway::map
-
-namespace mrpt::opengl {
-class CSetOfTriangles;
-}
-
-namespace headway::map {
 
 /// Opacity (0 to 255) at a fraction (0 to 1) of a ribbon's length.
 using Fade = std::function<double(double)>;
