@@ -15,9 +15,9 @@
 namespace headway::bags {
 namespace {
 
-constexpr double kStereoTolerance = 0.01;  // between left and right image, as in rawlogs [s]
-constexpr double kDepthTolerance = 0.02;   // between colour and depth [s]
-constexpr std::size_t kSampleBytes = 1000;
+constexpr double kStereoTolerance = 0.01;   // between left and right image, as in rawlogs [s]
+constexpr double kDepthTolerance = 0.02;    // between colour and depth [s]
+constexpr std::size_t kSampleBytes = 1000;  // of an observation without images, about
 
 bool isAmong(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();

@@ -14,10 +14,9 @@
 namespace headway::bags {
 namespace {
 
-constexpr std::size_t kMaxFrames = 10000;
-constexpr std::size_t kMaxDepth = 100;
-
-constexpr std::int64_t kMaxNanoseconds = 10'000'000'000;
+constexpr std::size_t kMaxFrames = 10000;  // of tf, and
+constexpr std::size_t kMaxDepth = 100;     // of their tree: a broken bag may contain circles
+constexpr std::int64_t kSurveyNs = 10'000'000'000;  // in which each sensor and transform occurs
 
 /// Topics of which something must be known before the import.
 class Surveyor {
@@ -297,7 +296,7 @@ BagSurvey surveyBag(const std::string& path, const BagSelection& selection) {
   while (const auto message = bag->next()) {
     surveyor.use(bag->topics()[message->topic], *message);
     start = std::min(start.value_or(message->received_ns), message->received_ns);
-    const bool is_late = message->received_ns / 2 - *start / 2 > kMaxNanoseconds / 2;
+    const bool is_late = message->received_ns / 2 - *start / 2 > kSurveyNs / 2;
     if (surveyor.isComplete() || (is_late && surveyor.hasInfos())) break;
   }
   return surveyor.survey;

@@ -20,7 +20,7 @@ enum Operation : std::uint8_t {
   kDataEnd = 0x0F
 };
 constexpr std::uint64_t kRecordHeaderBytes = 9;  // operation and length
-constexpr std::uint64_t kFooterBytes = 20;
+constexpr std::uint64_t kFooterBytes = 20;       // positions of summary and offsets, checksum
 
 class McapBag : public BagReader {
  public:

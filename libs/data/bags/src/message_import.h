@@ -66,7 +66,7 @@ class ImagePairing {
   [[nodiscard]] double nearest() const { return nearest_s_; }
 
  private:
-  static constexpr std::size_t kMaxWaiting = 8;
+  static constexpr std::size_t kMaxWaiting = 8;  // images of one camera: a quarter of a second
 
   void drop(std::deque<StampedImage>& images, std::size_t count) {
     images.erase(images.begin(), images.begin() + static_cast<std::ptrdiff_t>(count));
@@ -110,9 +110,9 @@ class TimeOrder {
   }
 
  private:
-  static constexpr double kMaxDelay = 1.0;  // [s]
-  static constexpr std::size_t kMaxBytes = 1 << 28;
-  static constexpr std::size_t kMaxEvents = 100000;
+  static constexpr double kMaxDelay = 1.0;           // [s]
+  static constexpr std::size_t kMaxBytes = 1 << 28;  // that wait, of images
+  static constexpr std::size_t kMaxEvents = 100000;  // that wait
 
   std::multimap<Time, Event> waiting_;
   Time newest_ = 0.0;

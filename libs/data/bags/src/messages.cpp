@@ -7,8 +7,8 @@
 namespace headway::bags {
 namespace {
 
-constexpr std::size_t kEncapsulationBytes = 4;
-constexpr std::size_t kMaxPadding = 7;
+constexpr std::size_t kEncapsulationBytes = 4;  // before a message of CDR
+constexpr std::size_t kMaxPadding = 7;          // of CDR after a message
 
 constexpr double kMaxNormError = 0.1;  // of a quaternion
 

@@ -111,8 +111,8 @@ cv::Mat fromInverseDepth(const cv::Mat& values, float a, float b) {
   return millimetresFrom(metres);
 }
 
-constexpr double kScanSigmaM = 0.01;  // LaserScan states none; MRPT's default
-constexpr std::size_t kMaxBeams = 100000;
+constexpr double kScanSigmaM = 0.01;       // LaserScan states none; MRPT's default
+constexpr std::size_t kMaxBeams = 100000;  // of a scan; lasers have some thousand
 
 /// NMEA's quality of a fix of NavSatStatus: none, plain, satellite-based, ground-based corrections.
 std::uint8_t qualityOf(int status) {

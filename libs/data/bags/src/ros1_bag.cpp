@@ -12,7 +12,7 @@ namespace headway::bags {
 namespace {
 
 constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
-constexpr std::uint32_t kMaxHeaderBytes = 1 << 20;
+constexpr std::uint32_t kMaxHeaderBytes = 1 << 20;  // of a record; real ones have some hundred
 /// Operations of records.
 enum RecordKind : std::uint8_t {
   kMessageData = 0x02,

@@ -93,7 +93,7 @@ using mrpt::obs::CObservation;
 constexpr double kMaxSpeed =
     100.0;  // of a robot between two recorded poses, and a second more [m/s]
 constexpr double kMaxInertialValue = 1e4;  // [m/s^2, rad/s]
-constexpr double kMaxLaserRangeM = 1e4;
+constexpr double kMaxLaserRangeM = 1e4;    // of any laser
 constexpr std::size_t kMaxFixes = 100000;  // between two frames
 constexpr const char* kUntakenFixes = "gnss_between_frames";
 

@@ -24,9 +24,9 @@
 namespace headway::io {
 namespace {
 
-constexpr std::size_t kMinMatches = 20;     // for the detection of swapped images
-constexpr double kSwappedDisparity = -1.0;  // [px]
-constexpr std::size_t kComparedPairs = 5;
+constexpr std::size_t kMinMatches = 20;        // for the detection of swapped images
+constexpr double kSwappedDisparity = -1.0;     // [px]
+constexpr std::size_t kComparedPairs = 5;      // by which one camera recorded twice is told
 constexpr double kMaxVerticalDisparity = 0.8;  // of a good calibration [px]
 constexpr double kMinDepthReachM = 0.5;        // of a depth camera; less is none
 constexpr double kUnknownDepthReachM = 10.0;   // which most indoor cameras have

@@ -15,9 +15,9 @@ namespace {
 
 using mrpt::obs::gnss::Message_NMEA_GGA;
 
-constexpr double kMaxAltitudeM = 1e5;
-constexpr double kDefaultHdop = 1.5;  // under an open sky
-constexpr double kMaxHdop = 100.0;    // above which NMEA receivers state that there is none
+constexpr double kMaxAltitudeM = 1e5;  // of a receiver on a robot
+constexpr double kDefaultHdop = 1.5;   // under an open sky
+constexpr double kMaxHdop = 100.0;     // above which NMEA receivers state that there is none
 
 /// Standard deviation of a position, both axes together, at a dilution of 1, by NMEA's quality:
 /// none, plain, differential, military, fixed and floating ambiguities, dead reckoning.

@@ -397,10 +397,10 @@ std::optional<mrpt::poses::CPose2D> readMovement(ObjectReader& in) {
 
 // An end mark would also be the header of a class with a name of 8 letters, which no class in a
 // rawlog has.
-constexpr std::size_t kMinNameLength = 3;
-constexpr std::size_t kMaxNameLength = 120;
-constexpr std::size_t kScanChunk = 1 << 16;
-constexpr std::size_t kMaxReasons = 200;  // counted one by one
+constexpr std::size_t kMinNameLength = 3;    // of a class
+constexpr std::size_t kMaxNameLength = 120;  // of the 127 that a header can state
+constexpr std::size_t kScanChunk = 1 << 16;  // searched for a header at once
+constexpr std::size_t kMaxReasons = 200;     // counted one by one
 
 constexpr char kSensoryFrame[] = "CSensoryFrame";
 constexpr char kActionCollection[] = "CActionCollection";

@@ -57,9 +57,9 @@ class VoxelIndex {
   std::vector<std::uint32_t> keys_;
 };
 
-constexpr int kMarginVoxels = 4;  // round a tile, whose candidates may be moved into it
-constexpr int kMaxEvidence = 4;   // of a voxel: so many scans that see through it remove it
-constexpr int kMinEvidence = -3;
+constexpr int kMarginVoxels = 4;     // round a tile, whose candidates may be moved into it
+constexpr int kMaxEvidence = 4;      // of a voxel, which three scans that see through it remove
+constexpr int kMinEvidence = -3;     // which five scans that hit it again restore
 constexpr int kMinNeighbours = 2;    // of a point, in the 26 voxels round it
 constexpr float kPoseSigma = 0.25F;  // of the surface by poses and sampling [voxels]
 

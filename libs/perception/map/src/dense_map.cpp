@@ -20,8 +20,8 @@ using mrpt::maps::CColouredPointsMap;
 constexpr std::uint8_t kDenseVersion = 2;   // 1 is without times
 constexpr double kDenseMovedVoxels = 0.25;  ///< a scan moved less stays where it was
 constexpr double kDenseTurned = 0.002;      ///< [rad]
-constexpr double kMinVoxelM = 0.005;
-constexpr double kMaxTiles = 1e4;  ///< that one scan may reach into: more is damage
+constexpr double kMinVoxelM = 0.005;  // a smaller one of a file would take any amount of memory
+constexpr double kMaxTiles = 1e4;     ///< that one scan may reach into: more is damage
 
 struct TileWork {
   DenseMap::Tiles::key_type index;

@@ -81,7 +81,7 @@ Value readValue(const Section& section, Value (*read)(ByteReader&)) {
 // COccupancyGridMap2D of MRPT 2.5.8 is stored as class name, u8 version, u8 bits of a cell, u32
 // columns, u32 rows, five floats, its cells and its options, among them one vector of floats.
 constexpr std::string_view kGrid = "COccupancyGridMap2D";
-constexpr std::size_t kGridHeader = 30;
+constexpr std::size_t kGridHeader = 30;  // bytes of the former
 
 /// Bytes of a stored grid from the end of its cells to the size of that vector; nullopt if MRPT
 /// does not store it.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kBeyond = 1.5F;       // of the greatest depth, what a scan can say about points
 constexpr double kMaxGradient = 0.5;  // of a surface's disparity, which is b / h on the ground
-constexpr int kMaxSteps = 16;
+constexpr int kMaxSteps = 16;  // between two cells: more would be beyond the voxel of any map
 
 constexpr double kSameTime_s = 1e-3;  // less than between frames
 
