@@ -16,6 +16,7 @@ namespace headway::app {
 int runTrajectory(int argc, const char** argv);
 int runTracks(int argc, const char** argv);
 int runMovers(int argc, const char** argv);
+int runPeople(int argc, const char** argv);
 int runPredictions(int argc, const char** argv);
 int runGrid(int argc, const char** argv);
 int runDense(int argc, const char** argv);

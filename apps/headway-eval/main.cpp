@@ -54,6 +54,8 @@ int main(int argc, char** argv) {
           app::runTracks},
          {"predictions", "Errors of predictions against the true future", app::runPredictions},
          {"movers", "Recall and precision of moving objects, false moving tracks", app::runMovers},
+         {"people", "People of a simulated world that a replay finds, and false rows",
+          app::runPeople},
          {"grid", "Errors of an occupancy grid against the simulated world", app::runGrid},
          {"dense", "Errors and coverage of a dense map against the simulated world", app::runDense},
          {"suite", "Tables of all errors over simulated worlds", app::runSuite}});

@@ -38,8 +38,9 @@ done
 
 echo
 echo "Grid: visible obstacles within the rig's reach, all seeds together"
-echo "| world, rig | visible | observed | found | free alone | at 0.5-3 m: visible, found | drops, free |"
-echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: |"
+echo "Precision: cells called occupied that are obstacles or touch one (that are obstacles)"
+echo "| world, rig | visible | observed | found | free alone | at 0.5-3 m: visible, found | precision | phantoms | left by movers | drops, free |"
+echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
 for world in yard-loop hall campus warehouse; do
   for rig in robot small; do
     for seed in $seeds; do

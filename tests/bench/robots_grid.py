@@ -29,11 +29,16 @@ def main():
              for key in ("in_reach", "ahead")}
     visible, judged, found, free_alone = total["in_reach"]
     ahead = total["ahead"]
+    called, right, strict, phantoms = (sum(f["touch"][key] for f in all_figures) for key in
+                                       ("called_occupied", "right", "strictly_right", "phantoms"))
+    trodden = sum(f["trodden"] for f in all_figures)
+    ghosts = sum(f["ghosts"] for f in all_figures)
     drops = sum(f["drops"] for f in all_figures)
     free = sum(f["drops_free"] for f in all_figures)
     print(f"| {sys.argv[1]} | {visible} | {percent(judged, visible)} | {percent(found, judged)} "
           f"| {percent(free_alone, judged)} | {ahead[0]}, {percent(ahead[2], ahead[1])} "
-          f"| {drops}, {free} |")
+          f"| {percent(right, called)} ({percent(strict, called)}) of {called} | {phantoms} "
+          f"| {percent(ghosts, trodden)} | {drops}, {free} |")
 
 
 if __name__ == "__main__":

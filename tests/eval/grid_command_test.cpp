@@ -53,6 +53,11 @@ TEST_F(GridCommandTest, WritesTableJsonAndPicture) {
   EXPECT_GT(figures.at("occupied_recall"), 0.4);
   EXPECT_GT(figures.at("occupied_precision"), 0.5);
   EXPECT_LE(figures.at("ghosts"), 3);
+  const auto& touch = figures.at("touch");
+  EXPECT_GE(touch.at("precision").get<double>(), touch.at("strict_precision").get<double>());
+  EXPECT_GT(touch.at("precision"), 0.7);
+  EXPECT_EQ(touch.at("called_occupied").get<int>(),
+            touch.at("right").get<int>() + touch.at("phantoms").get<int>());
   EXPECT_EQ(figures.at("found").get<int>() + figures.at("missed").get<int>(),
             figures.at("occupied"));
 

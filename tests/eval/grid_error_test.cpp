@@ -103,6 +103,40 @@ TEST(GridErrorTest, CountsOccupiedCellsOnAMovingObjectsPathAsGhosts) {
       gridError(gridOf({"ffff", "ffff", "ffoo"}), gridOf({"offf", "ffff", "ffff"}), swept);
   EXPECT_EQ(error.swept, 2u);
   EXPECT_EQ(error.ghosts, 1u);
+  EXPECT_DOUBLE_EQ(error.ghostRatio().value(), 0.5);
+}
+
+TEST(OccupiedPrecisionTest, TakesACellBesideAnObstacleForRightAndLeavesOutWhatDoesNotCount) {
+  //  o: obstacle; the estimate hits one, touches one from two sides, and has two phantoms.
+  const auto truth = gridOf({"offff", "ffff?", "fffff"});
+  const auto estimate = gridOf({"oofff", "oof?o", "ffooo"});
+  std::vector<std::uint8_t> left_out(15, 0);
+  left_out[14] = 1;
+  const auto precision = occupiedPrecision(truth, estimate, left_out);
+  EXPECT_EQ(precision.called, 6u);
+  EXPECT_EQ(precision.strict, 1u);
+  EXPECT_EQ(precision.touching, 4u);
+  EXPECT_EQ(precision.phantoms(), 2u);
+  EXPECT_EQ(precision.unknown, 1u);
+  EXPECT_EQ(precision.left_out, 1u);
+  EXPECT_DOUBLE_EQ(precision.touchRatio().value(), 4.0 / 6.0);
+  EXPECT_DOUBLE_EQ(precision.strictRatio().value(), 1.0 / 6.0);
+  const auto free = gridOf({"fffff", "fffff", "fffff"});
+  EXPECT_EQ(occupiedPrecision(truth, free, left_out).touchRatio(), std::nullopt);
+  EXPECT_ANY_THROW((void)occupiedPrecision(truth, estimate, {0, 0}));
+}
+
+TEST(RimsTest, AreTheCellsOfADropThatBorderOtherGround) {
+  const auto grid = gridOf({"fffff", "fffff", "fffff", "fffff"});
+  const std::vector<std::uint8_t> drops = {0, 0, 0, 0, 0,  //
+                                           0, 1, 1, 1, 1,  //
+                                           0, 1, 1, 1, 1,  //
+                                           0, 1, 1, 1, 1};
+  const std::vector<std::uint8_t> rims = {0, 0, 0, 0, 0,  //
+                                          0, 1, 1, 1, 1,  //
+                                          0, 1, 0, 0, 0,  //
+                                          0, 1, 0, 0, 0};
+  EXPECT_EQ(rimsOf(grid, drops), rims);
 }
 
 TEST(GridErrorTest, RefusesGridsOfDifferentSizes) {

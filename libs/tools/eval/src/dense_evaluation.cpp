@@ -25,7 +25,7 @@
 #include <utility>
 #include <vector>
 
-#include "truth_images.h"
+#include "evaluation_inputs.h"
 
 namespace headway::eval {
 

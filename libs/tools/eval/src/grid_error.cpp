@@ -10,17 +10,23 @@
 namespace headway::eval {
 namespace {
 
-/// Whether any of the eight neighbours of a cell is occupied.
-bool hasOccupiedNeighbour(const GridCells& grid, std::size_t index) {
+/// Whether a condition holds for a cell or any of its eight neighbours.
+template <typename Condition>
+bool anyAround(const GridCells& grid, std::size_t index, const Condition& condition) {
   const int column = static_cast<int>(index) % grid.columns;
   const int row = static_cast<int>(index) / grid.columns;
   for (int y = std::max(0, row - 1); y <= std::min(grid.rows - 1, row + 1); ++y) {
     for (int x = std::max(0, column - 1); x <= std::min(grid.columns - 1, column + 1); ++x) {
-      const auto i = static_cast<std::size_t>(y * grid.columns + x);
-      if (grid.states[i] == CellState::kOccupied) return true;
+      if (condition(static_cast<std::size_t>(y * grid.columns + x))) return true;
     }
   }
   return false;
+}
+
+/// Whether a cell or any of its eight neighbours is occupied.
+bool touchesOccupied(const GridCells& grid, std::size_t index) {
+  return anyAround(grid, index,
+                   [&](std::size_t i) { return grid.states[i] == CellState::kOccupied; });
 }
 
 }  // namespace
@@ -54,6 +60,40 @@ std::optional<double> GridError::occupiedPrecision() const {
   return ratioOf(found, found + false_occupied);
 }
 
+std::optional<double> GridError::ghostRatio() const { return ratioOf(ghosts, swept); }
+
+std::optional<double> OccupiedPrecision::touchRatio() const { return ratioOf(touching, called); }
+std::optional<double> OccupiedPrecision::strictRatio() const { return ratioOf(strict, called); }
+
+OccupiedPrecision occupiedPrecision(const GridCells& truth, const GridCells& estimate,
+                                    const std::vector<std::uint8_t>& left_out) {
+  if (truth.states.size() != estimate.states.size() || truth.states.size() != left_out.size()) {
+    throw std::invalid_argument("occupiedPrecision: the grids have different sizes");
+  }
+  OccupiedPrecision result;
+  for (std::size_t i = 0; i < truth.states.size(); ++i) {
+    if (estimate.states[i] != CellState::kOccupied) continue;
+    if (left_out[i] != 0) {
+      ++result.left_out;
+    } else if (truth.states[i] == CellState::kUnknown) {
+      ++result.unknown;
+    } else {
+      ++result.called;
+      if (truth.states[i] == CellState::kOccupied) ++result.strict;
+      if (touchesOccupied(truth, i)) ++result.touching;
+    }
+  }
+  return result;
+}
+
+std::vector<std::uint8_t> rimsOf(const GridCells& grid, const std::vector<std::uint8_t>& drops) {
+  std::vector<std::uint8_t> rims(drops.size(), 0);
+  for (std::size_t i = 0; i < drops.size(); ++i) {
+    rims[i] = drops[i] != 0 && anyAround(grid, i, [&](std::size_t k) { return drops[k] == 0; });
+  }
+  return rims;
+}
+
 GridError gridError(const GridCells& truth, const GridCells& estimate,
                     const std::vector<std::uint8_t>& swept) {
   if (truth.states.size() != estimate.states.size() || truth.states.size() != swept.size()) {
@@ -76,14 +116,14 @@ GridError gridError(const GridCells& truth, const GridCells& estimate,
         ++error.found;
       } else {
         ++error.false_free;
-        if (hasOccupiedNeighbour(estimate, i)) ++error.near_false_free;
+        if (touchesOccupied(estimate, i)) ++error.near_false_free;
       }
       continue;
     }
     if (swept[i] != 0) ++error.swept;
     if (estimated != CellState::kOccupied) continue;
     ++error.false_occupied;
-    const bool near = hasOccupiedNeighbour(truth, i);
+    const bool near = touchesOccupied(truth, i);
     if (near) ++error.near_false_occupied;
     if (swept[i] != 0 && !near) ++error.ghosts;
   }
@@ -103,7 +143,7 @@ VisibleObstacles visibleObstacles(const GridCells& truth, const GridCells& estim
     ++result.judged;
     if (estimate.states[i] == CellState::kOccupied) {
       ++result.found;
-    } else if (!hasOccupiedNeighbour(estimate, i)) {
+    } else if (!touchesOccupied(estimate, i)) {
       ++result.free_alone;
     }
   }

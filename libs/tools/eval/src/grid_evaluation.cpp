@@ -2,7 +2,9 @@
 // Evaluation of the occupancy grid of a replay's folder.
 #include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
+#include <headway/eval/figures.h>
 #include <headway/eval/grid_error.h>
+#include <headway/eval/labelled_frames.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
@@ -22,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-#include "truth_images.h"
+#include "evaluation_inputs.h"
 
 namespace headway::eval {
 
@@ -30,6 +32,7 @@ namespace headway::eval {
 struct GridTruth {
   GridCells cells;
   std::vector<std::uint8_t> swept;     ///< 1: a moving object covered the cell at some time
+  std::vector<std::uint8_t> people;    ///< 1: somebody stood or sat there at some time
   std::vector<std::uint8_t> in_reach;  ///< 1: an obstacle in the cell was visible within the reach
   std::vector<std::uint8_t> ahead;     ///< 1: it was visible at a depth of 0.5 to 3 m
   std::vector<std::uint8_t> drops;     ///< 1: the floor is lower than the ground by min_m or
@@ -172,7 +175,7 @@ void markDrops(const fs::path& path, const GridCells& grid, std::vector<std::uin
 GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const GridCells& grid,
                     const ObstacleHeights& heights, const ObstacleReach& reach) {
   const std::vector<std::uint8_t> none(grid.states.size(), 0);
-  GridTruth truth{grid, none, none, none, none};
+  GridTruth truth{grid, none, none, none, none, none};
   const auto poses = io::readTum((folder / "trajectory.tum").string());
   PixelCounts counts(grid.states.size());
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
@@ -191,7 +194,11 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const Gr
   }
   markDrops(folder / "drops.csv", grid, truth.drops);
   for (const auto& sample : io::readTrackCsv((folder / "objects.csv").string())) {
-    if (isMoving(sample.track)) markSwept(sample.track, grid, truth.swept);
+    if (isMoving(sample.track)) {
+      markSwept(sample.track, grid, truth.swept);
+    } else if (isPerson(sample.track.object_class)) {
+      markSwept(sample.track, grid, truth.people);
+    }
   }
   return truth;
 }
@@ -250,6 +257,19 @@ Claim claimOf(const fs::path& path) {
   return claim;
 }
 
+/// A map's truth has no people and nothing that moves, and a rim of a drop is an obstacle; what
+/// lies deeper in a drop is neither obstacle nor free.
+OccupiedPrecision precisionOf(const GridTruth& truth, const GridCells& estimate) {
+  GridCells cells = truth.cells;
+  std::vector<std::uint8_t> left_out = truth.swept;
+  const auto rims = rimsOf(cells, truth.drops);
+  for (std::size_t i = 0; i < left_out.size(); ++i) {
+    if (rims[i] != 0) cells.states[i] = CellState::kOccupied;
+    if (truth.people[i] != 0 || (truth.drops[i] != 0 && rims[i] == 0)) left_out[i] = 1;
+  }
+  return occupiedPrecision(cells, estimate, left_out);
+}
+
 nlohmann::ordered_json visibleJson(const VisibleObstacles& visible) {
   return {{"occupied", visible.occupied},
           {"judged_ratio", visible.judgedRatio().value_or(0.0)},
@@ -274,6 +294,7 @@ GridEvaluation evaluateGrid(const fs::path& truth, const fs::path& replay,
   result.drops = static_cast<std::size_t>(std::count(cells.drops.begin(), cells.drops.end(), 1));
   result.drops_free = markedFree(result.estimate, cells.drops);
   result.error = gridError(cells.cells, result.estimate, cells.swept);
+  result.precision = precisionOf(cells, result.estimate);
   result.truth = std::move(cells.cells);
   result.swept = std::move(cells.swept);
   return result;
@@ -281,6 +302,7 @@ GridEvaluation evaluateGrid(const fs::path& truth, const fs::path& replay,
 
 nlohmann::ordered_json toJson(const GridEvaluation& evaluation) {
   const auto& error = evaluation.error;
+  const auto& precision = evaluation.precision;
   return {{"observed", error.observed},
           {"compared", error.compared},
           {"right_ratio", error.correctRatio().value_or(0.0)},
@@ -295,6 +317,16 @@ nlohmann::ordered_json toJson(const GridEvaluation& evaluation) {
           {"unseen", error.unseen},
           {"trodden", error.swept},
           {"ghosts", error.ghosts},
+          {"ghost_ratio", orNull(error.ghostRatio())},
+          {"touch",
+           {{"called_occupied", precision.called},
+            {"precision", orNull(precision.touchRatio())},
+            {"strict_precision", orNull(precision.strictRatio())},
+            {"right", precision.touching},
+            {"strictly_right", precision.strict},
+            {"phantoms", precision.phantoms()},
+            {"unknown", precision.unknown},
+            {"left_out", precision.left_out}}},
           {"min_obstacle_height_m", evaluation.heights.min_m},
           {"reach_m", evaluation.reach.to_m},
           {"in_reach", visibleJson(evaluation.in_reach)},

@@ -46,6 +46,10 @@ std::vector<TrueObject> objectsOf(const std::vector<LabelledFrame>& frames,
 
 }  // namespace
 
+bool isPerson(ObjectClass object_class) {
+  return object_class == ObjectClass::kPedestrian || object_class == ObjectClass::kPersonSitting;
+}
+
 std::optional<Eigen::Vector3d> TrueObject::positionAt(Time time, double max_gap_s) const {
   const auto after =
       std::lower_bound(path.begin(), path.end(), time - kSameTime_s,

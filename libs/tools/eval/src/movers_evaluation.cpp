@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "evaluation_inputs.h"
+
 namespace headway::eval {
 
 /// Reads labels, true poses and the output folder of a replay.
@@ -38,7 +40,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSamePoseTime_s = 1e-3;
 constexpr double kNearestDepth_m = 0.1;  // corners of boxes nearer than this are not projected
 
 /// Image box of a track's 3D box; nullopt if its centre is behind the camera.
@@ -62,17 +63,6 @@ std::optional<Box2d> imageBox(const Track& track, const Pose& T_cam_map, const S
   return box;
 }
 
-const Pose& poseAtTime(const std::vector<Stamped<Pose>>& trajectory, Time time,
-                       const std::string& path) {
-  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kSamePoseTime_s,
-                                      [](const auto& pose, Time t) { return pose.time < t; });
-  if (found == trajectory.end() || found->time > time + kSamePoseTime_s) {
-    throw InputError(path + ": contains no pose of time " + std::to_string(time) +
-                     ", at which there are tracks");
-  }
-  return found->value;
-}
-
 /// Adds the rows of a tracks file, and the camera poses of their frames.
 void readRows(const fs::path& replay, const std::string& file, MovingObjectInput& input) {
   const auto calibration = io::readCalibration((replay / "calibration.yaml").string());
@@ -82,7 +72,12 @@ void readRows(const fs::path& replay, const std::string& file, MovingObjectInput
   input.image_height = calibration.height;
   for (const auto& sample : io::readTrackCsv((replay / file).string())) {
     const auto& track = sample.track;
-    const Pose T_map_cam = poseAtTime(trajectory, sample.time, online) * calibration.T_robot_cam;
+    const Pose* T_map_robot = poseAt(trajectory, sample.time);
+    if (T_map_robot == nullptr) {
+      throw InputError(online + ": contains no pose of time " + std::to_string(sample.time) +
+                       ", at which there are tracks");
+    }
+    const Pose T_map_cam = *T_map_robot * calibration.T_robot_cam;
     input.T_map_cam[sample.frame] = T_map_cam;
     TrackRow row;
     row.frame = sample.frame;
@@ -98,17 +93,6 @@ void readRows(const fs::path& replay, const std::string& file, MovingObjectInput
     row.velocity = track.velocity;
     input.rows.push_back(row);
   }
-}
-
-std::size_t firstFrame(const fs::path& replay) {
-  const std::string path = (replay / "replay.json").string();
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened; is this the folder of a replay?");
-  const auto json = nlohmann::json::parse(file, nullptr, false);
-  if (!json.is_object()) throw InputError(path + ": is not a JSON object");
-  const auto options = json.value("options", nlohmann::json::object());
-  const auto from = options.find("from_index");
-  return from != options.end() && from->is_number_unsigned() ? from->get<std::size_t>() : 0;
 }
 
 /// Times of frames whose poses have none: those of the replay, if it tracked every frame.
@@ -149,7 +133,7 @@ MovingObjectInput readMoversInput(const std::string& labels, const std::string& 
   MovingObjectInput input;
   const fs::path folder = replay;
   input.labels = readLabels(labels);
-  input.first_frame = firstFrame(folder);
+  input.first_frame = firstFrame(replayRecord(folder));
   input.end_frame =
       input.first_frame + io::readKittiPoses((folder / "trajectory_kitti.txt").string()).size();
   const auto calibration = io::readCalibration((folder / "calibration.yaml").string());

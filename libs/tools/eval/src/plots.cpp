@@ -371,6 +371,22 @@ cv::Mat predictionMapPlot(const std::string& title, const std::vector<TrueObject
   return chart.picture();
 }
 
+cv::Mat peoplePlot(const PeopleError& error) {
+  plot::BarChart bars{"People found", "found [%]", {}, {{"walking", {}}, {"standing", {}}}};
+  std::map<std::string, PersonFrames> all = error.walking;
+  all.insert(error.standing.begin(), error.standing.end());
+  for (const auto& [name, cell] : all) {
+    bars.groups.push_back(name + " m");
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto& cells = i == 0 ? error.walking : error.standing;
+      const auto found = cells.find(name);
+      const auto ratio = found == cells.end() ? std::nullopt : found->second.foundRatio();
+      bars.series[i].values.push_back(100.0 * ratio.value_or(0.0));
+    }
+  }
+  return plot::drawBars(bars);
+}
+
 cv::Mat errorOverHorizonPlot(
     const std::string& title,
     const std::vector<std::pair<std::string, PredictionError>>& predictors) {

@@ -60,6 +60,8 @@ struct GridError {
   std::size_t swept = 0;                ///< compared, truly free cells that a moving object covered
   std::size_t ghosts = 0;  ///< of these, estimated as occupied away from true obstacles
 
+  /// ghosts / swept: what moving objects left behind; nullopt if none was compared.
+  [[nodiscard]] std::optional<double> ghostRatio() const;
   /// correct / compared; nullopt if no cell was compared.
   [[nodiscard]] std::optional<double> correctRatio() const;
   /// found / occupied; nullopt if no compared cell is truly occupied.
@@ -67,6 +69,32 @@ struct GridError {
   /// found / (found + false_occupied); nullopt if no compared cell is estimated as occupied.
   [[nodiscard]] std::optional<double> occupiedPrecision() const;
 };
+
+/// How right the cells are that a map calls occupied, with touch: a cell is right if it or one of
+/// its eight neighbours is truly occupied.
+struct OccupiedPrecision {
+  std::size_t called = 0;    ///< estimated as occupied, of known truth
+  std::size_t strict = 0;    ///< of these, truly occupied
+  std::size_t touching = 0;  ///< of these, truly occupied or next to a truly occupied cell
+  std::size_t unknown = 0;   ///< estimated as occupied, of unknown truth: not among `called`
+  std::size_t left_out = 0;  ///< estimated as occupied where the truth does not count: neither
+
+  [[nodiscard]] std::optional<double> touchRatio() const;   ///< of called; nullopt if none
+  [[nodiscard]] std::optional<double> strictRatio() const;  ///< of called; nullopt if none
+  /// Called occupied with no obstacle beside them.
+  [[nodiscard]] std::size_t phantoms() const { return called - touching; }
+};
+
+/// @param left_out  1 for each cell that is neither obstacle nor free, else 0; one per cell
+/// @throws std::invalid_argument if the sizes differ
+[[nodiscard]] OccupiedPrecision occupiedPrecision(const GridCells& truth, const GridCells& estimate,
+                                                  const std::vector<std::uint8_t>& left_out);
+
+/// Cells of a drop that border other ground: where a robot would fall.
+///
+/// @param drops  1 for each cell that is lower than the ground, else 0; one per cell of the grid
+[[nodiscard]] std::vector<std::uint8_t> rimsOf(const GridCells& grid,
+                                               const std::vector<std::uint8_t>& drops);
 
 /// @param swept  1 for each cell that a moving object covered at some time, else 0; one per cell
 /// @throws std::invalid_argument if the sizes differ
@@ -104,10 +132,11 @@ struct GridEvaluation {
   ObstacleHeights heights;
   ObstacleReach reach;  ///< that the replay claims
   GridError error;
-  VisibleObstacles in_reach;   ///< obstacles that were visible within the reach
-  VisibleObstacles ahead;      ///< and those that were visible at 0.5 to 3 m
-  std::size_t drops = 0;       ///< cells lower than the ground
-  std::size_t drops_free = 0;  ///< of these, estimated as free
+  OccupiedPrecision precision;  ///< rims of drops are obstacles; people and movers do not count
+  VisibleObstacles in_reach;    ///< obstacles that were visible within the reach
+  VisibleObstacles ahead;       ///< and those that were visible at 0.5 to 3 m
+  std::size_t drops = 0;        ///< cells lower than the ground
+  std::size_t drops_free = 0;   ///< of these, estimated as free
 };
 
 /// Evaluates a replay as `headway-eval grid` does.

@@ -32,6 +32,9 @@ struct LabelledFrame {
   std::vector<LabelledBox> estimates;
 };
 
+/// Pedestrian or Person_sitting.
+[[nodiscard]] bool isPerson(ObjectClass object_class);
+
 /// One recording.
 struct LabelledSequence {
   std::string name;

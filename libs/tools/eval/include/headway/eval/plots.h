@@ -5,6 +5,7 @@
 #include <headway/eval/dense_error.h>
 #include <headway/eval/grid_error.h>
 #include <headway/eval/labelled_frames.h>
+#include <headway/eval/people_error.h>
 #include <headway/eval/prediction_error.h>
 #include <headway/eval/track_error.h>
 #include <headway/eval/trajectory_error.h>
@@ -62,6 +63,9 @@ struct DrawnPrediction {
 [[nodiscard]] cv::Mat errorOverHorizonPlot(
     const std::string& title,
     const std::vector<std::pair<std::string, PredictionError>>& predictors);
+
+/// Ratio of the people found by distance, a bar each for walking and standing ones.
+[[nodiscard]] cv::Mat peoplePlot(const PeopleError& error);
 
 /// Plan view of the estimated grid, x to the right, with wrong cells in colour.
 ///

@@ -165,9 +165,9 @@ struct CameraParams {
 struct CalibrationErrorParams {
   double focal_ratio = 0.0;      ///< true focal length above the recorded one by this ratio
   double baseline_ratio = 0.0;   ///< true baseline above the recorded one by this ratio
-  double right_roll_deg = 0.0;   ///< right camera turned about its viewing direction
-  double right_pitch_deg = 0.0;  ///< right camera turned up
-  double right_yaw_deg = 0.0;    ///< right camera turned to its right
+  double right_roll_deg = 0.0;   ///< right camera rotated about its viewing direction
+  double right_pitch_deg = 0.0;  ///< right camera rotated up
+  double right_yaw_deg = 0.0;    ///< right camera rotated to its right
   double flex_deg = 0.0;  ///< rig bends from frame to frame: standard deviation about each axis
 
   void describe(Params::Section section);

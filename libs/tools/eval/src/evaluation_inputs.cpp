@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images of a truth folder.
-#include "truth_images.h"
+// What several evaluations read of folders: images of the truth, the record and poses of a replay.
+#include "evaluation_inputs.h"
 
 #include <headway/core/error.h>
 #include <headway/io/image_file.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <opencv2/imgproc.hpp>
 
 namespace headway::eval {
@@ -44,6 +46,28 @@ cv::Mat readMovingMask(const fs::path& folder, std::size_t frame, const StereoCa
   cv::Mat moving = readImage(folder / "masks", frame, camera, io::loadGreyImage);
   cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, {kSide, kSide}));
   return moving;
+}
+
+nlohmann::json replayRecord(const fs::path& replay) {
+  const std::string path = (replay / "replay.json").string();
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be opened; is this the folder of a replay?");
+  auto record = nlohmann::json::parse(file, nullptr, false);
+  if (!record.is_object()) throw InputError(path + ": is not a JSON object");
+  return record;
+}
+
+std::size_t firstFrame(const nlohmann::json& record) {
+  const auto options = record.value("options", nlohmann::json::object());
+  const auto from = options.find("from_index");
+  return from != options.end() && from->is_number_unsigned() ? from->get<std::size_t>() : 0;
+}
+
+const Pose* poseAt(const std::vector<Stamped<Pose>>& trajectory, Time time) {
+  constexpr double kSameTime_s = 1e-3;
+  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kSameTime_s,
+                                      [](const auto& pose, Time t) { return pose.time < t; });
+  return found == trajectory.end() || found->time > time + kSameTime_s ? nullptr : &found->value;
 }
 
 }  // namespace headway::eval

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images of a truth folder.
+// What several evaluations read of folders: images of the truth, the record and poses of a replay.
 #pragma once
 
 #include <headway/core/stereo_camera.h>
 
 #include <cstddef>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 namespace headway::eval {
 
@@ -20,5 +22,14 @@ namespace headway::eval {
 /// Pixels on what may move: 8-bit, non-zero. Widened by the outline that a mask may miss.
 [[nodiscard]] cv::Mat readMovingMask(const std::filesystem::path& folder, std::size_t frame,
                                      const StereoCamera& camera);
+
+/// replay.json of a replay's folder. @throws InputError if it is missing or is no JSON object
+[[nodiscard]] nlohmann::json replayRecord(const std::filesystem::path& replay);
+
+/// Index of the first frame of a replay, by its record.
+[[nodiscard]] std::size_t firstFrame(const nlohmann::json& record);
+
+/// The pose of a trajectory at a time, within 1 ms; null if there is none.
+[[nodiscard]] const Pose* poseAt(const std::vector<Stamped<Pose>>& trajectory, Time time);
 
 }  // namespace headway::eval

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How many of the people around a robot a replay finds, and what it takes for objects that is none.
+#include <headway/core/assignment.h>
+#include <headway/core/error.h>
+#include <headway/eval/figures.h>
+#include <headway/eval/labelled_frames.h>
+#include <headway/eval/people_error.h>
+#include <headway/io/calibration_file.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "evaluation_inputs.h"
+
+namespace headway::eval {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+double groundDistance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return (a - b).head<2>().norm();
+}
+
+/// Distance over the ground of a point from a box; 0 inside.
+double distanceToBox(const Eigen::Vector3d& point, const Track& box) {
+  const Eigen::Vector2d offset = Eigen::Rotation2Dd(-box.yaw) * (point - box.position).head<2>();
+  return (offset.cwiseAbs() - 0.5 * box.size.head<2>()).cwiseMax(0.0).norm();
+}
+
+std::string bandOf(double range_m) {
+  if (range_m < 1.5) return "0.5-1.5";
+  if (range_m < 3.0) return "1.5-3";
+  return range_m < PeopleErrorParams().max_range_m ? "3-7" : "7-";
+}
+
+class PeopleEvaluation {
+ public:
+  PeopleEvaluation(const StereoCamera& camera, const PeopleErrorParams& params)
+      : camera_(camera), T_cam_robot_(camera.T_robot_cam.inverse()), params_(params) {
+    result_.max_range_m = params.max_range_m;
+  }
+
+  void add(const PeopleFrame& frame) {
+    ++result_.frames;
+    std::vector<const SeenObject*> people;
+    for (const auto& seen : frame.truth) {
+      if (isPerson(seen.object.object_class)) people.push_back(&seen);
+    }
+    const auto row_of = match(people, frame.rows);
+    for (std::size_t i = 0; i < people.size(); ++i) {
+      if (counts(*people[i], frame.time)) countPerson(*people[i], row_of[i]);
+    }
+    for (const auto& row : frame.rows) {
+      if (row.status == TrackStatus::kConfirmed) countRow(row, frame.truth, people);
+    }
+  }
+
+  [[nodiscard]] PeopleError result() {
+    result_.moving_tracks = moving_.size();
+    for (const auto& [id, rows] : moving_) {
+      if (2 * rows.wrong >= rows.all) result_.false_moving_tracks.push_back(id.value);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  struct View {
+    Time since = 0.0, last = 0.0;
+  };
+  struct MovingRows {
+    std::size_t all = 0, wrong = 0;
+  };
+
+  [[nodiscard]] bool isInView(const SeenObject& seen) const {
+    if (seen.visible < params_.min_visible) return false;
+    const Eigen::Vector3d at = T_cam_robot_ * seen.object.position;
+    if (!(at.z() > 0.0)) return false;
+    const double u = camera_.fx * at.x() / at.z() + camera_.cx;
+    const double v = camera_.fy * at.y() / at.z() + camera_.cy;
+    return u >= 0.0 && v >= 0.0 && u <= camera_.width - 1 && v <= camera_.height - 1;
+  }
+
+  /// Whether a person counts; takes note of how long he has been in view. Whoever is out of view
+  /// for no longer than he must be in view has not left it.
+  bool counts(const SeenObject& seen, Time time) {
+    if (!isInView(seen)) return false;
+    auto [view, is_new] = views_.try_emplace(seen.object.id, View{time, time});
+    constexpr double kRounding_s = 1e-3;  // of times in files
+    if (time - view->second.last > params_.settle_s + kRounding_s) view->second.since = time;
+    view->second.last = time;
+    const double range = rangeOf(seen);
+    return time - view->second.since > params_.settle_s - kRounding_s &&
+           range >= params_.min_range_m && range <= params_.max_range_m;
+  }
+
+  [[nodiscard]] double rangeOf(const SeenObject& seen) const {
+    return groundDistance(seen.object.position, camera_.T_robot_cam.translation());
+  }
+
+  /// The row that finds each person; null if none does.
+  [[nodiscard]] std::vector<const Track*> match(const std::vector<const SeenObject*>& people,
+                                                const std::vector<Track>& rows) const {
+    std::vector<CandidatePair> candidates;
+    for (std::size_t i = 0; i < people.size(); ++i) {
+      for (std::size_t j = 0; j < rows.size(); ++j) {
+        const bool may_be_person =
+            isPerson(rows[j].object_class) || rows[j].object_class == ObjectClass::kUnknown;
+        if (rows[j].status != TrackStatus::kConfirmed || !may_be_person) continue;
+        const double distance = groundDistance(rows[j].position, people[i]->object.position);
+        if (distance <= params_.found_within_m) candidates.push_back({i, j, distance});
+      }
+    }
+    std::vector<const Track*> row_of(people.size(), nullptr);
+    for (const auto& pair : assignPairs(std::move(candidates))) {
+      row_of[pair.row] = &rows[pair.column];
+    }
+    return row_of;
+  }
+
+  void countPerson(const SeenObject& seen, const Track* row) {
+    auto& ranges = isMoving(seen.object) ? result_.walking : result_.standing;
+    for (auto* cell : {&result_.all, &ranges[bandOf(rangeOf(seen))]}) {
+      ++cell->persons;
+      if (row == nullptr) continue;
+      ++cell->found;
+      if (isPerson(row->object_class)) ++cell->found_as_person;
+    }
+  }
+
+  void countRow(const Track& row, const std::vector<SeenObject>& truth,
+                const std::vector<const SeenObject*>& people) {
+    const auto is_near = [&](const Track& object) {
+      return distanceToBox(row.position, object) <= params_.false_beyond_m;
+    };
+    const bool is_false = std::none_of(truth.begin(), truth.end(),
+                                       [&](const auto& seen) { return is_near(seen.object); });
+    ++result_.rows;
+    if (is_false) ++result_.false_rows;
+    if (isPerson(row.object_class)) {
+      ++result_.person_rows;
+      if (std::any_of(people.begin(), people.end(),
+                      [&](const auto* seen) { return is_near(seen->object); })) {
+        ++result_.person_rows_right;
+      }
+    }
+    if (!isMoving(row)) return;
+    auto& track = moving_[row.id];
+    ++track.all;
+    if (is_false) ++track.wrong;
+  }
+
+  const StereoCamera& camera_;
+  Pose T_cam_robot_;
+  const PeopleErrorParams& params_;
+  std::map<TrackId, View> views_;
+  std::map<TrackId, MovingRows> moving_;
+  PeopleError result_;
+};
+
+Json jsonOf(const PersonFrames& cell) {
+  const auto interval = cell.interval();
+  return {{"person_frames", cell.persons},
+          {"found", cell.found},
+          {"found_ratio", orNull(cell.foundRatio())},
+          {"interval_95", interval ? Json(*interval) : Json(nullptr)},
+          {"found_as_person", cell.found_as_person},
+          {"as_person_ratio", orNull(cell.personRatio())}};
+}
+
+Json jsonOf(const std::map<std::string, PersonFrames>& ranges) {
+  Json json = Json::object();
+  for (const auto& [name, cell] : ranges) json[name] = jsonOf(cell);
+  return json;
+}
+
+}  // namespace
+
+std::optional<double> PersonFrames::foundRatio() const { return ratioOf(found, persons); }
+std::optional<double> PersonFrames::personRatio() const { return ratioOf(found_as_person, found); }
+
+std::optional<std::array<double, 2>> PersonFrames::interval() const {
+  if (persons == 0) return std::nullopt;
+  constexpr double kQuantile = 1.959964;  // of the normal distribution, 97.5 %
+  const auto n = static_cast<double>(persons);
+  const double p = static_cast<double>(found) / n, z2 = kQuantile * kQuantile / n;
+  const double middle = (p + 0.5 * z2) / (1.0 + z2);
+  const double half = kQuantile * std::sqrt(p * (1.0 - p) / n + 0.25 * z2 / n) / (1.0 + z2);
+  return std::array<double, 2>{std::max(0.0, middle - half), std::min(1.0, middle + half)};
+}
+
+std::optional<double> PeopleError::falseRatio() const { return ratioOf(false_rows, rows); }
+std::optional<double> PeopleError::personRowsRatio() const {
+  return ratioOf(person_rows_right, person_rows);
+}
+std::optional<double> PeopleError::falseTracksPer10Min() const {
+  if (!(duration_s > 0.0)) return std::nullopt;
+  return 600.0 * static_cast<double>(false_moving_tracks.size()) / duration_s;
+}
+
+PeopleError peopleError(const std::vector<PeopleFrame>& frames, const StereoCamera& camera,
+                        const PeopleErrorParams& params) {
+  PeopleEvaluation evaluation(camera, params);
+  for (const auto& frame : frames) evaluation.add(frame);
+  PeopleError error = evaluation.result();
+  if (!frames.empty()) error.duration_s = frames.back().time - frames.front().time;
+  return error;
+}
+
+PeopleError evaluatePeople(const fs::path& truth, const fs::path& replay, double reach_m) {
+  PeopleErrorParams params;
+  params.max_range_m = 0.0;
+  const auto record = replayRecord(replay);
+  const std::size_t first = firstFrame(record);
+  const auto rig = record.find("rig");
+  if (rig != record.end() && rig->is_object()) params.max_range_m = rig->value("people_to_m", 0.0);
+  if (reach_m > 0.0) params.max_range_m = reach_m;
+  if (!(params.max_range_m > 0.0)) {
+    throw InputError((replay / "replay.json").string() +
+                     ": states no reach of its rig for people; give one with --reach");
+  }
+  const auto camera = io::readCalibration((replay / "calibration.yaml").string());
+  const auto true_poses = io::readTum((truth / "trajectory.tum").string());
+  const auto estimated = io::readTum((replay / "trajectory_online.tum").string());
+  const std::size_t end =
+      first + io::readKittiPoses((replay / "trajectory_kitti.txt").string()).size();
+  if (end > true_poses.size()) {
+    throw InputError((truth / "trajectory.tum").string() + ": has " +
+                     std::to_string(true_poses.size()) + " frames, but the replay ends at frame " +
+                     std::to_string(end) + "; is it the truth of the replay's rawlog?");
+  }
+  std::vector<PeopleFrame> frames(end - first);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].time = true_poses[first + i].time;
+  }
+  const auto frameOf = [&](std::size_t index) -> PeopleFrame* {
+    return index >= first && index < end ? &frames[index - first] : nullptr;
+  };
+  for (const auto& [sample, visible] : io::readObjectCsv((truth / "objects.csv").string())) {
+    PeopleFrame* frame = frameOf(sample.frame);
+    if (frame == nullptr) continue;
+    const Pose T_robot_map = true_poses[sample.frame].value.inverse();
+    frame->truth.push_back({transformed(sample.track, T_robot_map), visible});
+  }
+  for (const auto& sample : io::readTrackCsv((replay / "tracks.csv").string())) {
+    PeopleFrame* frame = frameOf(sample.frame);
+    const Pose* T_map_robot = poseAt(estimated, sample.time);
+    if (frame == nullptr || T_map_robot == nullptr) {
+      throw InputError((replay / "tracks.csv").string() + ": frame " +
+                       std::to_string(sample.frame) + " has a track, but no pose");
+    }
+    frame->rows.push_back(transformed(sample.track, T_map_robot->inverse()));
+  }
+  return peopleError(frames, camera, params);
+}
+
+Json toJson(const PeopleError& error) {
+  return {{"frames", error.frames},
+          {"duration_s", error.duration_s},
+          {"reach_m", error.max_range_m},
+          {"all", jsonOf(error.all)},
+          {"walking", jsonOf(error.walking)},
+          {"standing", jsonOf(error.standing)},
+          {"rows", error.rows},
+          {"false_rows", error.false_rows},
+          {"false_ratio", orNull(error.falseRatio())},
+          {"person_rows", error.person_rows},
+          {"person_rows_right", error.person_rows_right},
+          {"person_rows_right_ratio", orNull(error.personRowsRatio())},
+          {"moving_tracks", error.moving_tracks},
+          {"false_moving_tracks", error.false_moving_tracks},
+          {"false_moving_tracks_per_10_min", orNull(error.falseTracksPer10Min())}};
+}
+
+plot::TextTable tableOf(const PeopleError& error) {
+  plot::TextTable table = {
+      {"people", "person-frames", "found", "found %", "95 % interval", "as person %"}};
+  const auto add = [&](const std::string& name, const PersonFrames& cell) {
+    const auto interval = cell.interval();
+    const auto bound = [&](std::size_t i) { return plot::fixedText(100.0 * (*interval)[i], 1); };
+    table.push_back({name, std::to_string(cell.persons), std::to_string(cell.found),
+                     plot::percentText(cell.foundRatio(), 1),
+                     interval ? bound(0) + " to " + bound(1) : "-",
+                     plot::percentText(cell.personRatio(), 1)});
+  };
+  for (const auto& [name, cell] : error.walking) add("walking, " + name + " m", cell);
+  for (const auto& [name, cell] : error.standing) add("standing, " + name + " m", cell);
+  add("all, to " + plot::fixedText(error.max_range_m, 1) + " m", error.all);
+  return table;
+}
+
+}  // namespace headway::eval
