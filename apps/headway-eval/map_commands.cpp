@@ -20,6 +20,7 @@ using plot::percentText;
 
 plot::TextTable tableOf(const GridEvaluation& evaluation) {
   const auto& error = evaluation.error;
+  const auto& precision = evaluation.precision;
   const auto ratio = [](std::size_t part, std::size_t whole) {
     return whole == 0
                ? std::string("-")
@@ -37,6 +38,15 @@ plot::TextTable tableOf(const GridEvaluation& evaluation) {
           row("of these, estimated as occupied (recall)", error.found, error.occupied),
           row("estimated as occupied, correct (precision)", error.found,
               error.found + error.false_occupied),
+          row("obstacles or touching one, of those called occupied (precision with touch)",
+              precision.touching, precision.called),
+          row("obstacles, of those called occupied (strict precision)", precision.strict,
+              precision.called),
+          row("phantoms: called occupied with no obstacle beside", precision.phantoms(),
+              precision.called),
+          {"called occupied, truth unknown: left out", std::to_string(precision.unknown), ""},
+          {"called occupied where people or movers were: left out",
+           std::to_string(precision.left_out), ""},
           row("estimated as occupied, truly free", error.false_occupied, error.compared),
           row("of these, next to a true obstacle", error.near_false_occupied, error.false_occupied),
           row("estimated as free, truly occupied", error.false_free, error.compared),

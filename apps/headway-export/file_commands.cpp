@@ -7,7 +7,7 @@
 #include <headway/io/image_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/map/map_crop.h>
-#include <headway/map/map_files.h>
+#include <headway/map/map_export.h>
 #include <headway/program/files.h>
 #include <headway/program/picture_files.h>
 #include <headway/report/map_files.h>

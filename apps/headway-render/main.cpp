@@ -7,7 +7,7 @@
 #include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
 #include <headway/program/truth_report.h>
-#include <headway/report/recorded_images.h>
+#include <headway/report/replay_frames.h>
 #include <headway/report/replay_page.h>
 #include <headway/scene/snapshot.h>
 

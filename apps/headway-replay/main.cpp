@@ -2,7 +2,6 @@
 // headway-replay: stereo rawlog to trajectory, tracks, predictions, map and pictures.
 #include <headway/core/error.h>
 #include <headway/core/text.h>
-#include <headway/detect/model_hash.h>
 #include <headway/detect/network_detector.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/program/command_line.h>

@@ -3,7 +3,7 @@
 #include "point_follower.h"
 
 #include <headway/core/statistics.h>
-#include <headway/stereo/reduced_image.h>
+#include <headway/stereo/disparity.h>
 
 #include <algorithm>
 #include <cmath>

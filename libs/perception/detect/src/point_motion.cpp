@@ -3,7 +3,7 @@
 // class.
 #include "point_motion.h"
 
-#include <headway/stereo/right_turn.h>
+#include <headway/stereo/rectification.h>
 #include <headway/stereo/stereo_residual.h>
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where moving objects will be, and which of those places the robot could meet.
-#include <headway/map/path_sample.h>
+#include <headway/map/contact_probability.h>
 #include <headway/nav/moving_obstacles.h>
 
 #include <Eigen/Geometry>

@@ -2,8 +2,8 @@
 // Bindings of frames and recordings.
 #include <headway/core/error.h>
 #include <headway/core/recorded_frame.h>
-#include <headway/io/depth_camera.h>
 #include <headway/io/image_file.h>
+#include <headway/io/raw_camera.h>
 #include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
 

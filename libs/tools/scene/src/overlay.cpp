@@ -4,7 +4,6 @@
 
 #include <headway/core/object_class.h>
 #include <headway/core/text.h>
-#include <headway/map/ribbon.h>
 #include <headway/map/track_geometry.h>
 #include <headway/plot/chart.h>
 #include <headway/plot/colours.h>
