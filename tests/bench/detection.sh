@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Measures the detectors and prints the figures of doc/results.md.
+# Measures the detectors and prints the figures of doc/lab/detection.md.
 #   HEADWAY_DATA=DATA tests/bench/detection.sh [OUT]
 # Simulates worlds in OUT (default out/detection). DATA, with the layout of doc/results.md, is required
 # for real recordings only.

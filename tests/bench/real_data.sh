@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Measures headway on real recordings and prints the figures of doc/results.md.
+# Measures headway on real recordings and prints the figures of doc/lab.
 #   HEADWAY_DATA=DATA tests/bench/real_data.sh [OUT]
 # DATA has the layout of doc/results.md; OUT (default out/real_data) contains rawlogs and results.
 set -euo pipefail

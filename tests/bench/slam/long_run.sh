@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Drives a simulated loop ten times and starts a camera again at random in its first lap; prints
-# the figures of doc/results.md.
+# the figures of doc/lab/slam.md.
 #   tests/bench/slam/long_run.sh [OUT]
 # OUT (default out/long_run) keeps the recordings (0.4 GB), which are drawn once.
 set -euo pipefail
