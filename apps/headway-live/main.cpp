@@ -110,7 +110,7 @@ io::LiveSourceOptions sourceOptions(const LiveOptions& options,
   result.observations.pair_tolerance_s = options.pair_tolerance_s;
   result.observations.use_odometry = params.slam.use_odometry;
   result.observations.use_imu = params.slam.use_imu;
-  result.observations.use_laser = params.laser.use && params.grid.every_nth_frame > 0;
+  result.observations.use_laser = params.laser.use && params.grid.period_s > 0.0;
   return result;
 }
 

@@ -32,7 +32,7 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
   result.to_index = options.to_index;
   result.use_odometry = params.slam.use_odometry;
   result.use_imu = params.slam.use_imu;
-  result.use_laser = params.laser.use && params.grid.every_nth_frame > 0;
+  result.use_laser = params.laser.use && params.grid.period_s > 0.0;
   return result;
 }
 
@@ -52,7 +52,7 @@ std::unique_ptr<run::Source> sourceOf(const Options& options,
 pipeline::RuntimeParams runtimeParams(const pipeline::PerceptionParams& params) {
   pipeline::RuntimeParams result;
   result.detect_every_nth_frame = params.detection.detect.every_nth_frame;
-  result.grid_every_nth_frame = params.grid.every_nth_frame;
+  result.grid_period_s = params.grid.period_s;
   result.recorded_timeout_s = params.detection.recorded_timeout_s;
   return result;
 }

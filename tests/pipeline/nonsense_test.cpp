@@ -134,7 +134,7 @@ const std::vector<Fault>& faults() {
 PerceptionParams quickParams() {
   PerceptionParams params;
   params.detection.detector = "none";
-  params.grid.every_nth_frame = 0;
+  params.grid.period_s = 0.0;
   return params;
 }
 

@@ -113,7 +113,7 @@ const Scene& sceneFor(const std::string& section) {
 std::vector<std::string> basis(const std::string& section) {
   if (section == "objects" || section == "detect") return {};
   if (section == "hog" || section == "dnn") return {"detect.detector=" + section};
-  return {"detect.detector=stereo_motion", "grid.every_nth_frame=1"};
+  return {"detect.detector=stereo_motion", "grid.period_s=0.1"};
 }
 
 bool isFinite(const Track& track) {

@@ -90,7 +90,7 @@ TEST_F(PerceptionEventsTest, SurfacesWithoutTextureAreRecognised) {
 std::string reasonOf(const std::function<void(cv::Mat&)>& change) {
   const PaintedStreet street(kBoxes);
   CameraCheck check;
-  for (int i = 0; i < 10; ++i) check.addTracked(street.frame(i));
+  for (int i = 0; i < 10; ++i) check.addTracked(street.frame(i), FrameRate());
   StereoFrame frame = street.frame(10);
   change(frame.left);
   return check.lossOf(frame).name;
@@ -137,6 +137,21 @@ TEST_F(PerceptionEventsTest, EveryFrameIsLoggedForDebugging) {
   EXPECT_THAT(messages_[LogLevel::kDebug].back(), HasSubstr("keyframe"));
 }
 
+TEST_F(PerceptionEventsTest, TheGroundIsScannedInTheSamePeriodAtAnyRate) {
+  for (const auto& [hz, scans] : {std::pair(10.0, 4U), {30.0, 2U}}) {
+    Perception perception(street_.frame(0).camera, params_);
+    for (int i = 0; i < 12; ++i) {
+      RecordedFrame frame;
+      frame.index = static_cast<std::size_t>(i);
+      frame.stereo = street_.frame(i);
+      frame.time = frame.stereo->time = i / hz;
+      (void)perception.process(frame);
+    }
+    EXPECT_EQ(perception.times().summary().at("grid").count, scans) << hz;
+    EXPECT_NEAR(perception.rig()->rate_hz, hz, 1e-2);
+  }
+}
+
 TEST_F(PerceptionEventsTest, ParametersChangeBeforeTheNextFrame) {
   for (int i = 0; i < 6; ++i) (void)process(i);
   const auto detected = [this] { return perception_->times().summary().at("detect").count; };
@@ -145,7 +160,7 @@ TEST_F(PerceptionEventsTest, ParametersChangeBeforeTheNextFrame) {
   const auto scanned_before = scanned();
   RuntimeParams params;
   params.detect_every_nth_frame = 1000;
-  params.grid_every_nth_frame = 0;
+  params.grid_period_s = 0.0;
   perception_->change(params);
   for (int i = 6; i < 10; ++i) (void)process(i);
   EXPECT_EQ(detected_before, detected());

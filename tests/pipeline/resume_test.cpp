@@ -150,7 +150,7 @@ TEST_F(ResumeTest, FreeAndOccupiedGroundIsPartOfTheMapAndIsTakenUpAgain) {
   EXPECT_LT(drive(second, 8, 20), 0.05);
   expectHall(second.map());
 
-  params_.grid.every_nth_frame = 0;
+  params_.grid.period_s = 0.0;
   Perception without(hall_.camera(), params_);
   EXPECT_LT(drive(without, 0, 3), 0.05);
   EXPECT_EQ(nullptr, without.map().staticGrid());
@@ -183,7 +183,7 @@ TEST_F(ResumeTest, AMapIsTakenUpWithoutAFile) {
 
 TEST_F(ResumeTest, AFileThatIsCutOffAtAnyByteIsAnError) {
   params_.slam.features = 50;
-  params_.grid.every_nth_frame = 0;  // so that the file is short
+  params_.grid.period_s = 0.0;  // so that the file is short
   const std::string whole = mapOfDrive(0, 1);
   ASSERT_EQ("", errorOfResuming(*hall_.camera()));
   for (std::size_t length = whole.size(); length-- > 0;) {
@@ -194,7 +194,7 @@ TEST_F(ResumeTest, AFileThatIsCutOffAtAnyByteIsAnError) {
 }
 
 TEST_F(ResumeTest, AFileWithAWrongByteIsAnError) {
-  params_.grid.every_nth_frame = 0;
+  params_.grid.period_s = 0.0;
   // Every byte of header and sections is tried elsewhere.
   constexpr std::size_t kStride = test::repeats(97, 997);
   std::string bytes = mapOfDrive(0, 1);

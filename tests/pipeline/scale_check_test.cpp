@@ -167,7 +167,7 @@ struct CalibratedDrive {
     PerceptionParams params;
     params.slam.features = 250;
     params.detection.detector = "none";
-    params.grid.every_nth_frame = 0;
+    params.grid.period_s = 0.0;
     Perception perception(claimed, params);
     Pose truth = Pose::Identity();
     truth.translation().x() = -9.0;

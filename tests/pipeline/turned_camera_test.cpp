@@ -28,7 +28,7 @@ struct TurnedDrive {
     PerceptionParams params;
     params.slam.features = 250;
     params.detection.detector = "none";
-    params.grid.every_nth_frame = 0;
+    params.grid.period_s = 0.0;
     perception = std::make_unique<Perception>(hall.camera(), params);
   }
 
@@ -113,7 +113,7 @@ TEST(TurnedCameraTest, YawIsCorrectedAtRecordedPosesAsWell) {
   const stereo::RightTurn opposite({0.0, -0.2 * kTurnDegree, 0.0}, *street.camera());
   PerceptionParams params;
   params.detection.detector = "stereo_motion";
-  params.grid.every_nth_frame = 0;
+  params.grid.period_s = 0.0;
   Perception perception(street.camera(), params);
   for (int i = 0; i < 16; ++i) {
     RecordedFrame frame;

@@ -75,7 +75,7 @@ PerceptionParams paramsRound() {
   PerceptionParams params;
   params.slam.features = 250;
   params.detection.detector = "none";
-  params.grid.every_nth_frame = 0;
+  params.grid.period_s = 0.0;
   params.dense.use = false;
   return params;
 }
@@ -157,8 +157,8 @@ class SubmapLayersTest : public testing::Test {
 
   SubmapLayersTest() {
     PerceptionParams params = paramsRound();
-    params.slam.restart_after_frames = 5;
-    params.grid.every_nth_frame = 1;
+    params.slam.restart_after_s = 0.5;
+    params.grid.period_s = 0.1;
     params.dense.use = true;
     perception_ = std::make_unique<Perception>(framesRoundTheHall().front().camera, params);
   }

@@ -182,7 +182,7 @@ TEST_F(ResultsSurviveTest, NewResultsReplaceAllOldOnes) {
   ASSERT_EQ(0, test::replay(rawlog_, out_, "-q --snapshots 2").process.status);
   std::ofstream(out_ / "notes.txt") << "mine";
   ASSERT_TRUE(fs::exists(out_ / "map_grid.png"));
-  ASSERT_EQ(0, replay("-w --set grid.every_nth_frame=0").process.status);
+  ASSERT_EQ(0, replay("-w --set grid.period_s=0").process.status);
   EXPECT_FALSE(fs::exists(out_ / "map_grid.png")) << "stale";
   EXPECT_FALSE(fs::exists(out_ / "snapshots/000011.png")) << "stale";
   EXPECT_TRUE(fs::exists(out_ / "summary.json"));

@@ -65,10 +65,10 @@ TEST(LoadShedderTest, TheLeastUsefulWorkIsLeftOutFirstAndNoMoreThanNeeded) {
   robot.run(10.0, 0.085);  // 115 ms: without page 105, without most scans 97
   EXPECT_EQ((std::vector<Level>{Level::kPage, Level::kMostScans}), robot.levels);
   EXPECT_THAT(robot.lines.front(), HasSubstr("without page"));
-  EXPECT_EQ(12, robot.shedder().params().grid_every_nth_frame);
+  EXPECT_EQ(1.2, robot.shedder().params().grid_period_s);
   robot.run(10.0, 0.200);
   EXPECT_EQ(Level::kFarBoxes, robot.shedder().level());
-  EXPECT_EQ(0, robot.shedder().params().grid_every_nth_frame);
+  EXPECT_EQ(0.0, robot.shedder().params().grid_period_s);
   EXPECT_EQ(30.0, robot.shedder().params().max_box_range_m);
   EXPECT_THAT(robot.shedder().description(), HasSubstr("boxes beyond 30 m"));
 }
@@ -80,7 +80,7 @@ TEST(LoadShedderTest, EverythingIsDoneAgainAfterTheLoad) {
   EXPECT_EQ(Level::kNothing, robot.shedder().level());
   EXPECT_EQ(8u, robot.levels.size()) << "four steps, one after the other, each way";
   EXPECT_THAT(robot.lines.back(), HasSubstr("all work is done again"));
-  EXPECT_EQ(RuntimeParams().grid_every_nth_frame, robot.shedder().params().grid_every_nth_frame);
+  EXPECT_EQ(RuntimeParams().grid_period_s, robot.shedder().params().grid_period_s);
 }
 
 /// What is left out is what makes the difference: without it there is room, with it overload.

@@ -155,7 +155,7 @@ void expectApart(StereoSlam& slam, const MapView& before) {
 TEST(LoopCloserTest, MergesSubmapsWhereOneObservesTheOther) {
   constexpr int kJoinedBy = 122;
   SlamParams params;
-  params.restart_after_frames = 5;
+  params.restart_after_s = 0.5;
   params.features = 250;
   StereoSlam slam(framesRoundTheBlock().front().camera, params);
   int joined = 0;

@@ -131,7 +131,7 @@ TEST_F(LostCameraTest, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
   ASSERT_EQ(walk(world_, 0, 2), 0);
   const int lost = walk(other_, 2, 12);
   EXPECT_GE(lost, 1) << "it must be said";
-  EXPECT_LE(lost, 4) << "and not last for restart_after_frames";
+  EXPECT_LE(lost, 4) << "and not last for restart_after_s";
   for (const KeyframeView& keyframe : slam().map().keyframes) {
     EXPECT_GE(keyframe.frame, 2U) << "nothing is left of a beginning that was given up";
   }
@@ -147,7 +147,7 @@ TEST_F(LostCameraTest, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
 }
 
 TEST_F(LostCameraTest, WaitsForAMapThatIsWorthIt) {
-  params_.restart_after_frames = 6;
+  params_.restart_after_s = 0.6;
   ASSERT_EQ(walk(world_, 0, 15), 0);
   EXPECT_EQ(walk(other_, 15, 21), 6);
   EXPECT_EQ(walk(other_, 21, 24), 0) << "a new submap";

@@ -216,7 +216,7 @@ TEST_F(SavedHallTest, StaysAsItIsWhileACameraElsewhereBuildsASubmap) {
   other.addRoom(9.0, 7.0, 3.0);
   for (const bool mapping : {true, false}) {
     SlamParams params;
-    params.restart_after_frames = 3;
+    params.restart_after_s = 0.3;
     params.mapping = mapping;
     StereoSlam slam(world_.camera(), params);
     slam.load(saved_);
@@ -242,7 +242,7 @@ TEST_F(SavedHallTest, StaysAsItIsWhileACameraElsewhereBuildsASubmap) {
 
 TEST_F(SavedHallTest, TheSubmapOfACameraThatIsRecognisedLateIsJoined) {
   SlamParams params;
-  params.restart_after_frames = 1;
+  params.restart_after_s = 0.1;
   StereoSlam slam(world_.camera(), params);
   slam.load(saved_);
   // It begins with its back to what is stored, and turns.

@@ -126,7 +126,7 @@ TEST(StereoSlamTest, StaysLostInAnotherWorldUntilItBeginsAnew) {
   test::TexturedWorld other(test::smallCamera(), 99);
   other.addRoom(9.0, 7.0, 3.0);
   SlamParams params;
-  params.restart_after_frames = 4;
+  params.restart_after_s = 0.4;
   StereoSlam slam(world.camera(), params);
   for (int i = 0; i < 10; ++i)
     static_cast<void>(slam.process(world.frame(i, 0.1 * i, onSlamPath(i)), {}));

@@ -44,6 +44,16 @@ TEST(RigCapabilityTest, TheCarHasTheRangesItWasTunedTo) {
   EXPECT_DOUBLE_EQ(rig.vehicles_to_m, 50.0);
 }
 
+TEST(RigCapabilityTest, MoreFramesASecondShowMotionFartherAway) {
+  RigAssumptions fast;
+  fast.rate_hz = 40.0;
+  const auto rig = rigCapability(kCar, fast);
+  EXPECT_EQ(rig.rate_hz, 40.0);
+  EXPECT_GT(rig.people_to_m, rigCapability(kCar).people_to_m);
+  EXPECT_GT(rig.vehicles_to_m, rigCapability(kCar).vehicles_to_m);
+  EXPECT_EQ(rig.obstacles_to_m, rigCapability(kCar).obstacles_to_m);
+}
+
 TEST(RigCapabilityTest, KittiCamerasWithoutKnownMountingHaveThoseOfTheCar) {
   for (const auto& camera : {cameraOf(1226, 370, 707.09, 0.5371, {0.0, 0.0}),
                              cameraOf(1242, 375, 721.54, 0.5327, {0.0, 0.0})}) {

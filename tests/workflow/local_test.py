@@ -79,7 +79,7 @@ def check(command: list[str], recordings: pathlib.Path, out: pathlib.Path) -> No
     subprocess.run(command, check=False)
     expect(changed(done, results(out)) == {"s1"}, "a changed recording runs alone")
     done = results(out)
-    subprocess.run([*command, "--set", "grid.every_nth_frame=3"], check=False)
+    subprocess.run([*command, "--set", "grid.period_s=0.3"], check=False)
     expect(changed(done, results(out)) == set(done), "another configuration runs all")
     expect(len(list(out.glob("recordings/*/"))) == 6, "and replaces the older results")
     expect("Content-Security-Policy" in (out / "index.html").read_text(encoding="utf-8"),
@@ -109,7 +109,7 @@ def main() -> int:
         out = pathlib.Path(temporary) / "out"
         command = [str(bin_dir / "headway-fleet"), str(recordings), "-o", str(out), "-j", "2"]
         check([*command, "--places", "none"], recordings, out)
-        check_place([*command, "--set", "grid.every_nth_frame=3"], out)
+        check_place([*command, "--set", "grid.period_s=0.3"], out)
     return 1 if faults else 0
 
 

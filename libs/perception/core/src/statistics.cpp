@@ -71,4 +71,15 @@ double Histogram::percentile(double fraction) const {
   return max_;
 }
 
+void FrameRate::add(double time) {
+  constexpr std::size_t kEnough = 3;  ///< intervals, of which a single wrong one is not the median
+  if (last_) {
+    // To a microsecond, more than the resolution of a double that counts from the epoch.
+    last_interval_s_ = std::max(0.0, std::round(1e6 * (time - *last_)) / 1e6);
+    if (last_interval_s_ > 0.0) intervals_.add(last_interval_s_);
+    if (intervals_.count() >= kEnough) interval_s_ = intervals_.percentile(0.5);
+  }
+  last_ = time;
+}
+
 }  // namespace headway

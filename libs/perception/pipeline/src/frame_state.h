@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/core/recorded_frame.h>
+#include <headway/core/statistics.h>
 #include <headway/pipeline/perception_update.h>
 
 #include "detection_stage.h"
@@ -28,11 +29,12 @@ struct PreviousFrame {
 
 /// All that is known about one frame. Made once, each stage adds its result.
 struct FrameState {
-  FrameState(const RecordedFrame& recorded, const PreviousFrame& before)
-      : frame(recorded), previous(before) {}
+  FrameState(const RecordedFrame& recorded, const PreviousFrame& before, const FrameRate& frames)
+      : frame(recorded), previous(before), rate(frames) {}
 
   const RecordedFrame& frame;
   const PreviousFrame& previous;
+  const FrameRate& rate;  ///< with this frame
   ClockStep clock = ClockStep::kAhead;
   std::vector<TrackSample> ended;   ///< of tracks that ended because the clock was set back
   MotionPrior motion_prior;         ///< since the frame before, without what counts from another

@@ -94,7 +94,7 @@ bool checkExposure(const StereoFrame& frame, Findings& findings) {
   return has_structure;
 }
 
-constexpr int kMeasuredEvery = 10;  // tracked frames
+constexpr double kSharpnessPeriod_s = 1.0;  ///< of measurements
 
 /// Contrast between neighbours in relation to that of the whole image: falls with blur, and hardly
 /// depends on light.
@@ -117,8 +117,10 @@ std::size_t cornersOf(const cv::Mat& image) {
 
 }  // namespace
 
-void CameraCheck::addTracked(const StereoFrame& frame) {
-  if (tracked_++ % kMeasuredEvery != 0) return;
+void CameraCheck::addTracked(const StereoFrame& frame, const FrameRate& rate) {
+  const double seconds = measured_ ? std::abs(frame.time - *measured_) : kSharpnessPeriod_s;
+  if (!rate.isOver(seconds, kSharpnessPeriod_s)) return;
+  measured_ = frame.time;
   const double sharpness = sharpnessOf(frame.left);
   sharpness_ = sharpness_ ? *sharpness_ + kSharpnessWeight * (sharpness - *sharpness_) : sharpness;
 }
@@ -555,7 +557,7 @@ Findings InputHealth::checkResults(const FrameState& state) {
 void InputHealth::checkLoss(const FrameState& state, Findings& findings) {
   if (isTracked(state)) {
     was_localised_ = true;
-    if (state.frame.stereo) camera_check_.addTracked(*state.frame.stereo);
+    if (state.frame.stereo) camera_check_.addTracked(*state.frame.stereo, state.rate);
   } else if (state.camera.status == slam::TrackingStatus::kLost && state.is_by_slam &&
              was_localised_) {  // otherwise it is not lost, but not localised so far
     findings.push_back(camera_check_.lossOf(*state.frame.stereo));

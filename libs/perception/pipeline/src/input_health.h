@@ -32,8 +32,8 @@ class CameraCheck {
   /// Whether the newest images came before.
   [[nodiscard]] bool isFrozen() const { return is_frozen_; }
 
-  /// Measures the image of a tracked frame, every tenth one.
-  void addTracked(const StereoFrame& frame);
+  /// Measures the image of a tracked frame, once a second.
+  void addTracked(const StereoFrame& frame, const FrameRate& rate);
   /// Why the camera is lost, by its image and those of tracked frames: "lost_too_dark",
   /// "lost_covered" (even grey: a lens cover, a wall, fog), "lost_blurred" (by motion or focus),
   /// "lost_few_features" (a sharp image of surfaces without texture) or "lost_moved_too_fast" (a
@@ -45,7 +45,7 @@ class CameraCheck {
   cv::Mat right_;
   bool is_frozen_ = false;
   std::optional<double> sharpness_;  ///< usual one of tracked frames
-  int tracked_ = 0;                  ///< frames
+  std::optional<Time> measured_;     ///< time of the last measurement
 };
 
 /// Recognises a wrong pose of the camera on the robot from the first images.

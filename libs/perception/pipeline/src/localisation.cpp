@@ -69,13 +69,13 @@ std::optional<stereo::OffsetEstimate> Localisation::disparityOffset(const FrameS
   if (state.is_by_slam) return slam_->takeFreeOffset();
   const auto& static_points = state.found.motion.static_points;
   if (static_points.empty()) return std::nullopt;
-  offset_at_recorded_poses_.update(static_points);
+  offset_at_recorded_poses_.update(static_points, state.rate.lastInterval());
   return offset_at_recorded_poses_.estimate();
 }
 
 void Localisation::load(const map::StoredMap& stored) {
   if (slam_ == nullptr) {
-    throw InputError("a map can only be taken up by a stereo camera, and here are poses alone");
+    throw InputError("a map can only be loaded for a stereo camera, and there are poses alone");
   }
   const auto read = stored.attachments.find(map::kSlamAttachment);
   const auto made = stored.made_attachments.find(map::kSlamAttachment);

@@ -16,10 +16,9 @@ namespace {
 
 constexpr std::size_t kScansMovedPerFrame = 20;  ///< of the grid in live operation; about 10 ms
 
-/// What the camera can see, with the configured values in place of derived ones.
-std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
-                                           const PerceptionParams& params) {
-  if (camera == nullptr) return std::nullopt;
+/// The configured values in place of derived ones.
+stereo::RigAssumptions assumptionsOf(const StereoCamera* camera, const PerceptionParams& params) {
+  if (camera == nullptr) return {};
   const auto& detect = params.detection.detect;
   (void)params.grid.scan.capabilityOf(*camera);  // refuses obstacles that it cannot see
   auto configured = params.grid.scan.configured();
@@ -30,14 +29,20 @@ std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
   configured.dense_to_m = params.dense.reach_m;
   configured.dense_voxel_m = params.dense.voxel_m;
   configured.dense_spacing_m = params.dense.spacing_m;
-  return stereo::rigCapability(*camera, configured);
+  return configured;
+}
+
+std::optional<stereo::RigCapability> rigOf(const StereoCamera* camera,
+                                           const stereo::RigAssumptions& assumptions) {
+  if (camera == nullptr) return std::nullopt;
+  return stereo::rigCapability(*camera, assumptions);
 }
 
 /// Grid parameters without values to be derived.
 GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
                    const PerceptionParams& all_params) {
   GridParams params = all_params.grid;
-  if (!all_params.slam.mapping) params.every_nth_frame = 0;
+  if (!all_params.slam.mapping) params.period_s = 0.0;
   params.map.footprint = all_params.robot;
   if (!rig) return params;
   params.scan = params.scan.forRig(*rig);
@@ -137,7 +142,7 @@ void DenseMapper::update(map::PerceptionMap& map, StageTimes& times) {
   if (fusing_.valid() || (is_shown && !dense_.isOutdated()) || Clock::now() < next_fusion_) return;
   fusing_ = fuser_.run([fusion = dense_.fusion()] {
     const auto start = Clock::now();
-    FusedBeside result{fusion(), {}};
+    TimedFusion result{fusion(), {}};
     result.elapsed = Clock::now() - start;
     return result;
   });
@@ -170,7 +175,8 @@ ByteSource DenseMapper::save() const {
 Mapping::Mapping(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                  map::PerceptionMap map)
     : camera_(std::move(camera)),
-      rig_(rigOf(camera_.get(), params)),
+      assumptions_(assumptionsOf(camera_.get(), params)),
+      rig_(rigOf(camera_.get(), assumptions_)),
       grid_params_(gridFor(rig_, params)),
       laser_params_(params.laser),
       is_extended_(params.slam.mapping),
@@ -179,14 +185,22 @@ Mapping::Mapping(std::shared_ptr<const StereoCamera> camera, const PerceptionPar
       dense_(params.dense, rig_, is_live_),
       map_(std::move(map)) {}
 
-bool Mapping::takesTurn(const RecordedFrame& frame) {
-  const auto every_nth = static_cast<std::size_t>(grid_params_.every_nth_frame);
-  if (camera_ == nullptr || !frame.stereo || every_nth == 0) return false;
-  return grid_frames_++ % every_nth == 0;
+bool Mapping::takesTurn(const RecordedFrame& frame, const FrameRate& rate) {
+  const double period_s = grid_params_.period_s;
+  if (camera_ == nullptr || !frame.stereo || !(period_s > 0.0)) return false;
+  const double seconds = last_scan_ ? frame.time - *last_scan_ : period_s;
+  if (seconds >= 0.0 && !rate.isOver(seconds, period_s)) return false;  // < 0: clock set back
+  last_scan_ = frame.time;
+  return true;
 }
 
-void Mapping::setPeriod(int every_nth_frame) {
-  if (is_extended_) grid_params_.every_nth_frame = every_nth_frame;
+void Mapping::setPeriod(double period_s) {
+  if (is_extended_) grid_params_.period_s = period_s;
+}
+
+void Mapping::setRate(double rate_hz) {
+  assumptions_.rate_hz = rate_hz;
+  rig_ = rigOf(camera_.get(), assumptions_);
 }
 
 void Mapping::update(const FrameState& state, StageTimes& times) {
@@ -290,7 +304,7 @@ void Mapping::updateGrid(const FrameState& state, StageTimes& times) {
   } else {
     addLaser(state, scan);
   }
-  const bool has_grid = camera_ != nullptr && state.context && grid_params_.every_nth_frame > 0;
+  const bool has_grid = camera_ != nullptr && state.context && grid_params_.period_s > 0.0;
   if (!has_grid || !state.T_map_robot) return;
   grid_.standAt(*state.T_map_robot);
   // A scan may see nothing, such as behind a truck in the first frame.

@@ -17,7 +17,7 @@
 
 namespace headway::pipeline {
 
-/// Builds the dense map beside the tracking: depth scans are made, and in live operation fused, in
+/// Builds the dense map in the background: depth scans are made, and in live operation fused, in
 /// threads of their own.
 ///
 /// A scan enters the map with the next frame, whenever it was ready, so that the same frames give
@@ -26,7 +26,7 @@ namespace headway::pipeline {
 class DenseMapper {
  public:
   /// @param rig      nullopt without a camera: then no scans may be added
-  /// @param is_live  fuse beside the tracking, at times that depend on the machine
+  /// @param is_live  fuse in the background, at times that depend on the machine
   DenseMapper(const map::DenseMapParams& params, const std::optional<stereo::RigCapability>& rig,
               bool is_live);
 
@@ -74,7 +74,7 @@ class DenseMapper {
     DepthScan scan;
     double elapsed_ms = 0.0;
   };
-  struct FusedBeside {
+  struct TimedFusion {
     map::DenseMap::Fused fused;
     Clock::duration elapsed{};
   };
@@ -89,7 +89,7 @@ class DenseMapper {
   map::AnchoredPose scanned_at_;            ///< pose of the scan that is being made
   Pose T_odom_scanned_ = Pose::Identity();  ///< the same in the odometry frame
   std::shared_future<Scanned> scanning_;
-  std::future<FusedBeside> fusing_;
+  std::future<TimedFusion> fusing_;
   Clock::time_point next_fusion_{};
   WorkerThread scanner_{WorkerThread::Priority::kBackground};
   WorkerThread fuser_{WorkerThread::Priority::kBackground};
@@ -104,10 +104,12 @@ class Mapping {
   Mapping(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
           map::PerceptionMap map);
 
-  /// Whether the ground of this frame, in its turn, is to be scanned.
-  [[nodiscard]] bool takesTurn(const RecordedFrame& frame);
-  /// Scans every n-th frame from now on; 0: none.
-  void setPeriod(int every_nth_frame);
+  /// Whether the ground of this frame is to be scanned, as a period has passed.
+  [[nodiscard]] bool takesTurn(const RecordedFrame& frame, const FrameRate& rate);
+  /// Period of ground scans from now on; 0: none [s].
+  void setPeriod(double period_s);
+  /// The rate of frames as measured, on which rig() depends.
+  void setRate(double rate_hz);
 
   /// Takes all that a frame tells.
   void update(const FrameState& state, StageTimes& times);
@@ -169,6 +171,7 @@ class Mapping {
   [[nodiscard]] MovingRegions leftOutOfDenseMap(const FrameState& state) const;
 
   std::shared_ptr<const StereoCamera> camera_;
+  stereo::RigAssumptions assumptions_;  ///< with the configured values
   std::optional<stereo::RigCapability> rig_;
   GridParams grid_params_;
   LaserParams laser_params_;
@@ -179,7 +182,7 @@ class Mapping {
   DenseMapper dense_;
   std::map<int, Layers> others_;  ///< of the other submaps
   map::PerceptionMap map_;
-  std::size_t grid_frames_ = 0;  ///< frames eligible for a scan
+  std::optional<Time> last_scan_;
   std::map<std::string, std::size_t> laser_counts_;
 };
 

@@ -20,63 +20,6 @@
 
 namespace headway::pipeline {
 
-/// Where the odometry frame was in the map at the frames in which tracks may still be smoothed, so
-/// that their samples are in the map as it was published then.
-class OdometryHistory {
- public:
-  void add(std::size_t frame, const Pose& T_map_odom);
-  /// Samples of frames that were added, from the odometry frame.
-  void moveIntoMap(std::vector<TrackSample>& samples) const;
-
- private:
-  static constexpr std::size_t kMaxFrames = 1000;  ///< several smoothing windows of the longest
-  std::map<std::size_t, Pose> poses_;
-};
-
-/// The stages of the pipeline, each with the state that it keeps from frame to frame, and what the
-/// previous frame left.
-class Perception::Implementation {
- public:
-  Implementation(std::shared_ptr<const StereoCamera> rig, const PerceptionParams& params,
-                 map::PerceptionMap map);
-
-  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
-  /// Moves the run into a joint map: its static layers become those of its part. @return T_map_run
-  [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses);
-
-  std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
-  InputHealth health;
-  Localisation localisation;
-  DetectionStage detection;
-  objects::MovingObjectTracker tracker;
-  OdometryHistory odometry;
-  Mapping mapping;
-  LogSink log;
-  PerceptionCallbacks callbacks;
-  StageTimes times;
-  std::mutex change_mutex;
-  std::optional<RuntimeParams> change;  ///< for the next frame; guarded by change_mutex
-
- private:
-  void requireUsable(const RecordedFrame& frame) const;
-  void applyChange();
-  [[nodiscard]] FrameState begin(const RecordedFrame& frame);
-  /// Discards what refers to the times before. @return ended tracks
-  [[nodiscard]] std::vector<TrackSample> restart();
-  [[nodiscard]] std::optional<stereo::FrameContext> rectify(const FrameState& state);
-  void localise(FrameState& state);
-  [[nodiscard]] FrameDetections detect(const FrameState& state);
-  [[nodiscard]] objects::TrackUpdate track(const FrameState& state);
-  /// The results of the frame, after the host was called back with them.
-  [[nodiscard]] PerceptionUpdate published(FrameState&& state,
-                                           const map::PerceptionMap& before) const;
-  void write(LogLevel level, const FrameState& state, const std::string& text) const;
-  void logFrame(const FrameState& state) const;
-
-  PreviousFrame previous_;
-  double max_box_range_m_ = RuntimeParams().max_box_range_m;
-};
-
 namespace {
 
 using slam::TrackingStatus;
@@ -206,17 +149,238 @@ std::string describe(const FrameState& state) {
 
 }  // namespace
 
-void OdometryHistory::add(std::size_t frame, const Pose& T_map_odom) {
-  poses_[frame] = T_map_odom;
-  if (poses_.size() > kMaxFrames) poses_.erase(poses_.begin());
-}
-
-void OdometryHistory::moveIntoMap(std::vector<TrackSample>& samples) const {
-  for (TrackSample& sample : samples) {
-    const auto at = poses_.lower_bound(sample.frame);
-    if (at != poses_.end()) sample.track = transformed(std::move(sample.track), at->second);
+/// Where the odometry frame was in the map at the frames in which tracks may still be smoothed, so
+/// that their samples are in the map as it was published then.
+class OdometryHistory {
+ public:
+  void add(std::size_t frame, const Pose& T_map_odom) {
+    poses_[frame] = T_map_odom;
+    if (poses_.size() > kMaxFrames) poses_.erase(poses_.begin());
   }
-}
+
+  /// Samples of frames that were added, from the odometry frame.
+  void moveIntoMap(std::vector<TrackSample>& samples) const {
+    for (TrackSample& sample : samples) {
+      const auto at = poses_.lower_bound(sample.frame);
+      if (at != poses_.end()) sample.track = transformed(std::move(sample.track), at->second);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMaxFrames = 1000;  ///< several smoothing windows of the longest
+  std::map<std::size_t, Pose> poses_;
+};
+
+/// The stages of the pipeline, each with the state that it keeps from frame to frame, and what the
+/// previous frame left.
+class Perception::Implementation {
+ public:
+  Implementation(std::shared_ptr<const StereoCamera> rig, const PerceptionParams& params,
+                 map::PerceptionMap map);
+
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame) {
+    requireUsable(frame);
+    const auto watch = times.watch("frame");
+    const map::PerceptionMap map_before = mapping.map();
+    applyChange();
+    FrameState state = begin(frame);
+    state.add(health.checkFrame(state));
+    state.images = health.imageEvidence();
+    state.context = rectify(state);
+    state.boxes = detection.detectObjects(frame, state.context, state.scans_ground);
+    localise(state);
+    state.found = detect(state);
+    state.disparity_offset = localisation.disparityOffset(state);
+    odometry.add(frame.index, state.camera.T_map_odom);
+    state.objects = track(state);
+    state.add(health.checkResults(state));
+    mapping.update(state, times);
+    previous_ = previousFrom(state);
+    return published(std::move(state), map_before);
+  }
+
+  /// Moves the run into a joint map: its static layers become those of its part. @return T_map_run
+  [[nodiscard]] Pose moveInto(const slam::KeyframePoses& poses) {
+    if (poses.empty()) return Pose::Identity();
+    auto& slam = *localisation.slam();
+    const Pose before = slam.map(0).keyframes.front().T_map_robot;
+    slam.correct(poses);
+    mapping.show(0, slam, times);
+    mapping.finish(times);
+    mapping.update(previous_.time, std::vector<Track>(), Pose::Identity());
+    const Pose now = mapping.map().staticMap()->keyframes.front().T_map_robot;
+    return normalized(Pose(now * before.inverse(Eigen::Isometry)));
+  }
+
+  std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
+  InputHealth health;
+  Localisation localisation;
+  DetectionStage detection;
+  objects::MovingObjectTracker tracker;
+  OdometryHistory odometry;
+  Mapping mapping;
+  LogSink log;
+  PerceptionCallbacks callbacks;
+  StageTimes times;
+  std::mutex change_mutex;
+  std::optional<RuntimeParams> change;  ///< for the next frame; guarded by change_mutex
+
+ private:
+  /// Before anything changes, so that a frame that cannot be used leaves all as it is.
+  void requireUsable(const RecordedFrame& frame) const {
+    if (frame.T_map_robot && localisation.isResumed()) {
+      throw InputError(
+          "frame " + std::to_string(frame.index) +
+          " contains a pose, which is not in the frame of the loaded map; use a rawlog "
+          "without label 'pose'");
+    }
+    if (frame.stereo && camera != nullptr) stereo::requireImages(*frame.stereo, *camera);
+  }
+
+  void applyChange() {
+    const std::lock_guard lock(change_mutex);
+    if (!change) return;
+    detection.change(change->detect_every_nth_frame, change->recorded_timeout_s);
+    max_box_range_m_ = change->max_box_range_m;
+    mapping.setPeriod(change->grid_period_s);
+    change.reset();
+  }
+
+  [[nodiscard]] FrameState begin(const RecordedFrame& frame) {
+    rate_.add(frame.time);
+    mapping.setRate(rate_.hz());
+    FrameState state(frame, previous_, rate_);
+    state.clock = clockStep(frame, previous_);
+    if (state.clock == ClockStep::kSetBack) state.ended = restart();
+    state.is_by_slam = localisation.isBySlam(frame);
+    state.scans_ground = mapping.takesTurn(frame, rate_);
+    if (!frame.stereo) return state;
+    state.motion_prior = frame.stereo->motion_prior;
+    if (!countsFromAnother(frame, previous_)) return state;
+    state.motion_prior = {};
+    state.motion_prior.specific_force = frame.stereo->motion_prior.specific_force;
+    state.is_motion_left_out = previous_.index.has_value();
+    return state;
+  }
+
+  /// Discards what refers to the times before. @return ended tracks
+  [[nodiscard]] std::vector<TrackSample> restart() {
+    detection.restart();
+    previous_.T_odom_robot.reset();
+    previous_.tracks.clear();
+    previous_.expected.clear();
+    previous_.motion = {};
+    return tracker.restart();
+  }
+
+  [[nodiscard]] std::optional<stereo::FrameContext> rectify(const FrameState& state) {
+    const Eigen::Vector3d before = localisation.rightTurn();
+    auto context = localisation.contextOf(state, health.rightCamera());
+    if (localisation.rightTurn() != before) {
+      const Eigen::Vector3d degrees = localisation.rightTurn() / kDegree;
+      write(LogLevel::kInfo, state,
+            formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
+                      degrees.x(), degrees.y(), degrees.z()));
+    }
+    return context;
+  }
+
+  void localise(FrameState& state) {
+    state.camera = localisation.localise(state);
+    setPoses(health.isTrusted(), state);
+    const std::uint64_t revision = state.camera.revision.number;
+    if (state.camera.is_keyframe || revision != previous_.revision ||
+        state.camera.submap != mapping.submap()) {
+      state.static_map = localisation.slam()->map();
+      state.submaps = localisation.slam()->submaps();
+    }
+    if (state.T_map_robot && state.previous.lost_in_a_row > 0 && log) {
+      write(LogLevel::kInfo, state, describeRelocalisation(state, *mapping.map().staticMap()));
+    }
+    if (callbacks.on_pose) callbacks.on_pose(state.frame.time, state.camera);
+  }
+
+  [[nodiscard]] FrameDetections detect(const FrameState& state) {
+    const PreviousFrame& previous = state.previous;
+    auto found = detection.detectMotion(state.frame, state.T_odom_robot, state.boxes,
+                                        previous.expected, previous.motion);
+    if (found.images_used) times.add("detect", found.elapsed_ms);
+    return found;
+  }
+
+  [[nodiscard]] objects::TrackUpdate track(const FrameState& state) {
+    const auto watch = times.watch("objects");
+    const RecordedFrame& frame = state.frame;
+    objects::TrackUpdate tracked;
+    if (state.found.fused && state.T_odom_robot) {
+      Detections near = *state.found.fused;
+      DropCounts far;
+      shedFar(max_box_range_m_, near, far);
+      tracked = tracker.update(frame.index, {frame.time, *state.T_odom_robot}, near);
+      tracked.detections_dropped.merge(far);
+    } else {
+      tracked = tracker.coast(frame.index, frame.time);
+      if (state.found.fused && !state.found.fused->items.empty()) {
+        const char* reason = state.T_map_robot ? "time_repeated" : "camera_lost";
+        tracked.detections_dropped[reason] += state.found.fused->items.size();
+      }
+    }
+    for (const auto& [reason, count] : state.found.dropped) {
+      tracked.detections_dropped[reason] += count;
+    }
+    auto& finalised = tracked.finalised;
+    finalised.insert(finalised.begin(), state.ended.begin(), state.ended.end());
+    return tracked;
+  }
+
+  /// The results of the frame, after the host was called back with them.
+  [[nodiscard]] PerceptionUpdate published(FrameState&& state,
+                                           const map::PerceptionMap& before) const {
+    logFrame(state);
+    PerceptionUpdate update;
+    update.frame = state.frame.index;
+    update.time = state.frame.time;
+    update.camera = std::move(state.camera);
+    update.detections = std::move(state.found.fused);
+    update.objects = std::move(state.objects);
+    update.tracks_odom =
+        std::exchange(update.objects.tracks, mapping.map().movingObjects().tracks());
+    odometry.moveIntoMap(update.objects.finalised);
+    update.findings = std::move(state.findings);
+    if (callbacks.on_tracks) callbacks.on_tracks(update.time, update.objects.tracks);
+    const map::PerceptionMap& map = mapping.map();
+    const bool has_changed = map.staticMap() != before.staticMap() ||
+                             map.staticGrid() != before.staticGrid() ||
+                             map.dense() != before.dense();
+    if (has_changed && callbacks.on_map) callbacks.on_map(map);
+    return update;
+  }
+
+  void write(LogLevel level, const FrameState& state, const std::string& text) const {
+    if (log) log(level, "frame " + std::to_string(state.frame.index) + ": " + text);
+  }
+
+  void logFrame(const FrameState& state) const {
+    if (!log) return;
+    for (const Finding& finding : state.findings) {
+      if (finding.is_first) write(LogLevel::kWarn, state, finding.text);
+    }
+    for (const auto& loop : state.camera.loops) write(LogLevel::kInfo, state, describe(loop));
+    const slam::MapRevision& revision = state.camera.revision;
+    if (revision.number != state.previous.revision &&
+        revision.cause != slam::MapChange::kBundleAdjustment) {
+      write(LogLevel::kInfo, state,
+            formatted("revision %llu of the map: %s",
+                      static_cast<unsigned long long>(revision.number),
+                      slam::toString(revision.cause)));
+    }
+    write(LogLevel::kDebug, state, describe(state));
+  }
+
+  PreviousFrame previous_;
+  FrameRate rate_;
+  double max_box_range_m_ = RuntimeParams().max_box_range_m;
+};
 
 Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
                                            const PerceptionParams& params, map::PerceptionMap map)
@@ -226,184 +390,6 @@ Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> r
       detection(camera, params.detection),
       tracker(params.objects),
       mapping(camera, params, std::move(map)) {}
-
-PerceptionUpdate Perception::Implementation::process(const RecordedFrame& frame) {
-  requireUsable(frame);
-  const auto watch = times.watch("frame");
-  const map::PerceptionMap map_before = mapping.map();
-  applyChange();
-  FrameState state = begin(frame);
-  state.add(health.checkFrame(state));
-  state.images = health.imageEvidence();
-  state.context = rectify(state);
-  state.boxes = detection.detectObjects(frame, state.context, state.scans_ground);
-  localise(state);
-  state.found = detect(state);
-  state.disparity_offset = localisation.disparityOffset(state);
-  odometry.add(frame.index, state.camera.T_map_odom);
-  state.objects = track(state);
-  state.add(health.checkResults(state));
-  mapping.update(state, times);
-  previous_ = previousFrom(state);
-  return published(std::move(state), map_before);
-}
-
-/// Before anything changes, so that a frame that cannot be used leaves all as it is.
-void Perception::Implementation::requireUsable(const RecordedFrame& frame) const {
-  if (frame.T_map_robot && localisation.isResumed()) {
-    throw InputError("frame " + std::to_string(frame.index) +
-                     " brings a pose of its own, which is not in the frame of the map taken up; "
-                     "use a rawlog without label 'pose'");
-  }
-  if (frame.stereo && camera != nullptr) stereo::requireImages(*frame.stereo, *camera);
-}
-
-FrameState Perception::Implementation::begin(const RecordedFrame& frame) {
-  FrameState state(frame, previous_);
-  state.clock = clockStep(frame, previous_);
-  if (state.clock == ClockStep::kSetBack) state.ended = restart();
-  state.is_by_slam = localisation.isBySlam(frame);
-  state.scans_ground = mapping.takesTurn(frame);
-  if (!frame.stereo) return state;
-  state.motion_prior = frame.stereo->motion_prior;
-  if (!countsFromAnother(frame, previous_)) return state;
-  state.motion_prior = {};
-  state.motion_prior.specific_force = frame.stereo->motion_prior.specific_force;
-  state.is_motion_left_out = previous_.index.has_value();
-  return state;
-}
-
-std::vector<TrackSample> Perception::Implementation::restart() {
-  detection.restart();
-  previous_.T_odom_robot.reset();
-  previous_.tracks.clear();
-  previous_.expected.clear();
-  previous_.motion = {};
-  return tracker.restart();
-}
-
-std::optional<stereo::FrameContext> Perception::Implementation::rectify(const FrameState& state) {
-  const Eigen::Vector3d before = localisation.rightTurn();
-  auto context = localisation.contextOf(state, health.rightCamera());
-  if (localisation.rightTurn() != before) {
-    const Eigen::Vector3d degrees = localisation.rightTurn() / kDegree;
-    write(LogLevel::kInfo, state,
-          formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
-                    degrees.x(), degrees.y(), degrees.z()));
-  }
-  return context;
-}
-
-void Perception::Implementation::localise(FrameState& state) {
-  state.camera = localisation.localise(state);
-  setPoses(health.isTrusted(), state);
-  const std::uint64_t revision = state.camera.revision.number;
-  if (state.camera.is_keyframe || revision != previous_.revision ||
-      state.camera.submap != mapping.submap()) {
-    state.static_map = localisation.slam()->map();
-    state.submaps = localisation.slam()->submaps();
-  }
-  if (state.T_map_robot && state.previous.lost_in_a_row > 0 && log) {
-    write(LogLevel::kInfo, state, describeRelocalisation(state, *mapping.map().staticMap()));
-  }
-  if (callbacks.on_pose) callbacks.on_pose(state.frame.time, state.camera);
-}
-
-FrameDetections Perception::Implementation::detect(const FrameState& state) {
-  const PreviousFrame& previous = state.previous;
-  auto found = detection.detectMotion(state.frame, state.T_odom_robot, state.boxes,
-                                      previous.expected, previous.motion);
-  if (found.images_used) times.add("detect", found.elapsed_ms);
-  return found;
-}
-
-objects::TrackUpdate Perception::Implementation::track(const FrameState& state) {
-  const auto watch = times.watch("objects");
-  const RecordedFrame& frame = state.frame;
-  objects::TrackUpdate tracked;
-  if (state.found.fused && state.T_odom_robot) {
-    Detections near = *state.found.fused;
-    DropCounts far;
-    shedFar(max_box_range_m_, near, far);
-    tracked = tracker.update(frame.index, {frame.time, *state.T_odom_robot}, near);
-    tracked.detections_dropped.merge(far);
-  } else {
-    tracked = tracker.coast(frame.index, frame.time);
-    if (state.found.fused && !state.found.fused->items.empty()) {
-      const char* reason = state.T_map_robot ? "time_repeated" : "camera_lost";
-      tracked.detections_dropped[reason] += state.found.fused->items.size();
-    }
-  }
-  for (const auto& [reason, count] : state.found.dropped) {
-    tracked.detections_dropped[reason] += count;
-  }
-  auto& finalised = tracked.finalised;
-  finalised.insert(finalised.begin(), state.ended.begin(), state.ended.end());
-  return tracked;
-}
-
-PerceptionUpdate Perception::Implementation::published(FrameState&& state,
-                                                       const map::PerceptionMap& before) const {
-  logFrame(state);
-  PerceptionUpdate update;
-  update.frame = state.frame.index;
-  update.time = state.frame.time;
-  update.camera = std::move(state.camera);
-  update.detections = std::move(state.found.fused);
-  update.objects = std::move(state.objects);
-  update.tracks_odom = std::exchange(update.objects.tracks, mapping.map().movingObjects().tracks());
-  odometry.moveIntoMap(update.objects.finalised);
-  update.findings = std::move(state.findings);
-  if (callbacks.on_tracks) callbacks.on_tracks(update.time, update.objects.tracks);
-  const map::PerceptionMap& map = mapping.map();
-  const bool has_changed = map.staticMap() != before.staticMap() ||
-                           map.staticGrid() != before.staticGrid() || map.dense() != before.dense();
-  if (has_changed && callbacks.on_map) callbacks.on_map(map);
-  return update;
-}
-
-void Perception::Implementation::write(LogLevel level, const FrameState& state,
-                                       const std::string& text) const {
-  if (log) log(level, "frame " + std::to_string(state.frame.index) + ": " + text);
-}
-
-void Perception::Implementation::logFrame(const FrameState& state) const {
-  if (!log) return;
-  for (const Finding& finding : state.findings) {
-    if (finding.is_first) write(LogLevel::kWarn, state, finding.text);
-  }
-  for (const auto& loop : state.camera.loops) write(LogLevel::kInfo, state, describe(loop));
-  const slam::MapRevision& revision = state.camera.revision;
-  if (revision.number != state.previous.revision &&
-      revision.cause != slam::MapChange::kBundleAdjustment) {
-    write(
-        LogLevel::kInfo, state,
-        formatted("revision %llu of the map: %s", static_cast<unsigned long long>(revision.number),
-                  slam::toString(revision.cause)));
-  }
-  write(LogLevel::kDebug, state, describe(state));
-}
-
-void Perception::Implementation::applyChange() {
-  const std::lock_guard lock(change_mutex);
-  if (!change) return;
-  detection.change(change->detect_every_nth_frame, change->recorded_timeout_s);
-  max_box_range_m_ = change->max_box_range_m;
-  mapping.setPeriod(change->grid_every_nth_frame);
-  change.reset();
-}
-
-Pose Perception::Implementation::moveInto(const slam::KeyframePoses& poses) {
-  if (poses.empty()) return Pose::Identity();
-  auto& slam = *localisation.slam();
-  const Pose before = slam.map(0).keyframes.front().T_map_robot;
-  slam.correct(poses);
-  mapping.show(0, slam, times);
-  mapping.finish(times);
-  mapping.update(previous_.time, std::vector<Track>(), Pose::Identity());
-  const Pose now = mapping.map().staticMap()->keyframes.front().T_map_robot;
-  return normalized(Pose(now * before.inverse(Eigen::Isometry)));
-}
 
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                        map::PerceptionMap map)
@@ -452,7 +438,7 @@ void Perception::setCallbacks(PerceptionCallbacks callbacks) {
 }
 
 void Perception::change(const RuntimeParams& params) {
-  ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_every_nth_frame >= 0 &&
+  ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_period_s >= 0.0 &&
                  params.recorded_timeout_s > 0.0 && params.max_box_range_m > 0.0,
              "parameters at run time are out of range");
   const std::lock_guard lock(implementation_->change_mutex);

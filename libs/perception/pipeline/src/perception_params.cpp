@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parameters of the whole pipeline.
 #include <headway/core/error.h>
+#include <headway/core/statistics.h>
 #include <headway/pipeline/perception_params.h>
 
 #include <algorithm>
@@ -96,9 +97,10 @@ std::string modelInUse(const DetectionParams& params) {
 bool wouldUseModel(const DetectionParams& params) { return params.detector == kAuto; }
 
 void GridParams::describe(Params::Section section) {
-  section.user().add("every_nth_frame", every_nth_frame, 0, 1000, "frames",
+  section.user().add("period_s", period_s, 0.0, 100.0, "s",
                      "Period of the ground scans, and of the depth scans of the dense map; greater "
                      "is faster; 0: neither grid nor dense map");
+  section.renamed("every_nth_frame", "period_s", secondsOfFrames);
   scan.describe(section);
   map.describe(section);
 }

@@ -60,8 +60,8 @@ void LoadShedder::recover(double now_s) {
 
 pipeline::RuntimeParams LoadShedder::params() const {
   pipeline::RuntimeParams params = full_;
-  if (level_ >= Level::kMostScans) params.grid_every_nth_frame *= kScansOfAll;
-  if (level_ >= Level::kScans) params.grid_every_nth_frame = 0;
+  if (level_ >= Level::kMostScans) params.grid_period_s *= kScansOfAll;
+  if (level_ >= Level::kScans) params.grid_period_s = 0.0;
   if (level_ >= Level::kFarBoxes) params.max_box_range_m = std::min(params.max_box_range_m, kNearM);
   return params;
 }

@@ -65,7 +65,7 @@ BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
                            const StereoCamera& camera, int max_iterations,
                            const StopCondition& stop = neverStop);
 
-/// Runs bundle adjustments, at once or in a thread of its own beside the tracking.
+/// Runs bundle adjustments, at once or in a thread of its own.
 ///
 /// Only the solver runs in that thread, on copies: the map is read and written by the calling
 /// thread alone. At once is deterministic; in the background results depend on timing.

@@ -3,6 +3,7 @@
 #include "frame_tracker.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rigid_motions.h"
 
@@ -12,12 +13,6 @@ namespace {
 constexpr stereo::PoseRefinerOptions kCoarse{8.0, 4, 5};  ///< from a pose within some pixels
 constexpr stereo::PoseRefinerOptions kFine{4.0, 3, 6};
 constexpr double kAgreement = 0.5;  ///< minimum inlier ratio of the static landmarks
-
-/// Whether a landmark has agreed with the camera's motion in several frames.
-bool isVerifiedStatic(const Landmark& landmark) {
-  constexpr int kAgreed = 2;
-  return landmark.agreed >= kAgreed && 2 * landmark.agreed > landmark.found;
-}
 
 /// The constraints that are chosen.
 std::vector<stereo::PoseConstraint> only(const std::vector<stereo::PoseConstraint>& constraints,
@@ -125,13 +120,21 @@ std::optional<Pose> FrameTracker::poseOf(const std::vector<TrackedLandmark>& see
   return refined->T_map_cam;
 }
 
+void FrameTracker::setInterval(double interval_s) {
+  constexpr double kVerified_s = 0.2;  ///< a walking person moves 0.3 m in it
+  frames_to_verify_ = std::max(
+      kMinFramesToVerify, static_cast<int>(std::lround(std::min(kVerified_s / interval_s, 100.0))));
+}
+
 bool FrameTracker::rejectsByGeometry() const {
   return params_.dynamic_rejection == DynamicRejection::kGeometric ||
          params_.dynamic_rejection == DynamicRejection::kBoth;
 }
 
 bool FrameTracker::isStatic(const Landmark& landmark) const {
-  return !rejectsByGeometry() || isVerifiedStatic(landmark);
+  const bool is_verified =
+      landmark.agreed >= frames_to_verify_ && 2 * landmark.agreed > landmark.found;
+  return is_verified || !rejectsByGeometry();
 }
 
 /// Moving objects are mapped like everything else, but cannot agree with the camera's motion for

@@ -28,6 +28,10 @@ class FrameTracker {
   FrameTracker(const StereoCamera& camera, const SlamParams& params)
       : camera_(camera), params_(params), tracker_(camera, params) {}
 
+  /// From one frame to the next [s]; 0.1 before the first call. A landmark is verified static when
+  /// it has agreed with the camera's motion for 0.2 s, and in two frames at least.
+  void setInterval(double interval_s);
+
   /// Tracks the previous frame's landmarks, unless a pose is proposed, then measures the local map.
   ///
   /// @param proposed       by visual odometry; used if the landmarks that are verified static agree
@@ -103,6 +107,8 @@ class FrameTracker {
   StereoCamera camera_;
   SlamParams params_;
   LandmarkTracker tracker_;
+  static constexpr int kMinFramesToVerify = 2;  ///< one observation confirms nothing
+  int frames_to_verify_ = kMinFramesToVerify;
 };
 
 }  // namespace headway::slam

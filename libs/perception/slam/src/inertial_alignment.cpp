@@ -35,7 +35,7 @@ void GravityEstimator::add(const CameraStep& step, const Eigen::Vector3d& veloci
 
 /// The camera's mean velocity over the step: the initial one and half of its change.
 void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& velocity_increment) {
-  constexpr double kWindow = 20.0;       // frames in the mean innovation
+  constexpr double kWindow_s = 2.0;      // of the mean innovation
   constexpr double kMaxCounted = 100.0;  // one jump of the camera is no contradiction
   const double dt = step.seconds;
   const Eigen::Matrix3d R_robot_map = step.T_map_previous.linear().transpose();
@@ -50,7 +50,7 @@ void GravityEstimator::update(const CameraStep& step, const Eigen::Vector3d& vel
   Eigen::Matrix3d noise = sigma * sigma * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d S = predicted + noise;
   const double normalised = innovation.dot(S.inverse() * innovation);
-  innovation_ += (std::min(normalised, kMaxCounted) - innovation_) / kWindow;
+  innovation_ += (std::min(normalised, kMaxCounted) - innovation_) * std::min(1.0, dt / kWindow_s);
   noise *=
       std::max(1.0, normalised / (3.0 * kExpectedInnovation));  // robust against single wrong poses
   const Eigen::Matrix<double, 9, 3> gain =

@@ -93,14 +93,15 @@ std::vector<KeyframeId> olderNeighbours(KeyframeId newest, int window, const Spa
 }
 
 bool isRarelyFound(const Landmark& landmark) {
+  // As Mur-Artal & Tardos 2015, sec. VI-B.
   constexpr int kTrial = 3;             ///< tries before a landmark is judged
-  constexpr double kFoundShare = 0.25;  ///< of tries that must succeed
-  return landmark.tried >= kTrial && landmark.found < kFoundShare * landmark.tried;
+  constexpr double kFoundRatio = 0.25;  ///< of tries that must succeed
+  return landmark.tried >= kTrial && landmark.found < kFoundRatio * landmark.tried;
 }
 
 /// Whether enough other keyframes see a landmark from as near as this one does.
 bool isObservedByOthers(const Landmark& landmark, const Keyframe& keyframe, const SparseMap& map) {
-  constexpr int kOthers = 3;
+  constexpr int kOthers = 3;       ///< as Mur-Artal & Tardos 2015, sec. VI-E, like kOwnRatio
   constexpr double kAsNear = 1.2;  ///< times the distance
   const auto distance = [&](const Keyframe& from) {
     return (landmark.position - from.T_map_cam.translation()).norm();
@@ -115,8 +116,8 @@ bool isObservedByOthers(const Landmark& landmark, const Keyframe& keyframe, cons
 }
 
 bool isRedundant(const Keyframe& keyframe, const SparseMap& map) {
-  constexpr double kOwnShare = 0.1;  ///< of its landmarks that others need not see as well
-  const double allowed = kOwnShare * static_cast<double>(keyframe.landmarks.size());
+  constexpr double kOwnRatio = 0.1;  ///< of its landmarks that others need not see as well
+  const double allowed = kOwnRatio * static_cast<double>(keyframe.landmarks.size());
   int own = 0;
   for (const LandmarkId id : keyframe.landmarks) {
     own += isObservedByOthers(*map.find(id), keyframe, map) ? 0 : 1;

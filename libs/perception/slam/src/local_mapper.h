@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/core/ids.h>
+#include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
 
@@ -18,27 +19,6 @@
 
 namespace headway::slam {
 
-/// Removes landmarks around the newest keyframe that are rarely found, and those that only one
-/// keyframe outside of the window observes.
-///
-/// @param window  newest keyframes whose landmarks may still be seen a second time
-void cullLandmarks(KeyframeId newest, int window, SparseMap& map);
-
-/// A keyframe near the newest one, but older than the `window` newest ones, that is redundant:
-/// nearly all of its landmarks are observed by several others from as near.
-///
-/// So a place that is passed again and again keeps a bounded number of keyframes, while one that
-/// is passed once keeps what it has. The first keyframe, which holds the map in place, stays.
-///
-/// @return nullopt if there is none
-/// @see Mur-Artal & Tardos 2015, sec. VI-E (survival of the fittest)
-[[nodiscard]] std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window,
-                                                          const SparseMap& map);
-
-/// The keyframe that frames anchored to `keyframe` are reassigned to when it is removed: the one
-/// that shares most landmarks with it, or else the first one.
-[[nodiscard]] KeyframeId replacementKeyframe(KeyframeId keyframe, const SparseMap& map);
-
 /// The keyframe that a tracked frame belongs to, and from which the next frame is tracked.
 ///
 /// That is the one before as long as the frame shows most of its landmarks, about where it saw
@@ -53,43 +33,6 @@ void cullLandmarks(KeyframeId newest, int window, SparseMap& map);
 [[nodiscard]] std::optional<KeyframeId> referenceOf(const std::vector<TrackedLandmark>& landmarks,
                                                     KeyframeId before, const SlamParams& params,
                                                     int image_width, const SparseMap& map);
-
-/// Age of the submap that was initialised last, at a predicted pose.
-///
-/// There is none before the first initialisation, or after relocalisation in an older submap.
-class ActiveSubmap {
- public:
-  void initialise(KeyframeId first) {
-    first_ = first;
-    frames_ = 0;
-  }
-  /// A frame was tracked.
-  void countTrackedFrame() { ++frames_; }
-  /// The camera was relocalised at a keyframe, which may belong to an older submap.
-  void relocaliseAt(KeyframeId recognised) {
-    if (recognised < first_) first_ = KeyframeId{};
-  }
-
-  /// First keyframe; invalid if there is no active submap.
-  [[nodiscard]] KeyframeId first() const { return first_; }
-
-  /// Whether its static landmarks may still be reassigned.
-  [[nodiscard]] bool isNew() const { return first_.valid() && frames_ < kNewFrames; }
-
-  /// Lost frames after which a new submap is initialised: at most as many as were tracked in this
-  /// one, since a submap lost right after its initialisation may be wrong.
-  ///
-  /// @param restart_after  of a map that is not new
-  [[nodiscard]] int maxLostFrames(int restart_after) const {
-    return first_.valid() ? std::min(restart_after, 1 + frames_) : restart_after;
-  }
-
- private:
-  static constexpr int kNewFrames = 8;  ///< tracked frames
-
-  KeyframeId first_;
-  int frames_ = 0;  ///< tracked ones
-};
 
 /// Extends the map by keyframes and keeps its newest part adjusted and clean.
 class LocalMapper {
@@ -123,6 +66,76 @@ class LocalMapper {
   BundleAdjuster& adjuster_;
   stereo::StereoMatcher matcher_;
   KeyframeOdometry odometry_;  ///< since the last keyframe
+};
+
+/// Removes landmarks around the newest keyframe that are rarely found, and those that only one
+/// keyframe outside of the window observes.
+///
+/// @param window  newest keyframes whose landmarks may still be seen a second time
+void cullLandmarks(KeyframeId newest, int window, SparseMap& map);
+
+/// A keyframe near the newest one, but older than the `window` newest ones, that is redundant:
+/// nearly all of its landmarks are observed by several others from as near.
+///
+/// So a place that is passed again and again keeps a bounded number of keyframes, while one that
+/// is passed once keeps what it has. The first keyframe, which holds the map in place, stays.
+///
+/// @return nullopt if there is none
+/// @see Mur-Artal & Tardos 2015, sec. VI-E (survival of the fittest)
+[[nodiscard]] std::optional<KeyframeId> redundantKeyframe(KeyframeId newest, int window,
+                                                          const SparseMap& map);
+
+/// The keyframe that frames anchored to `keyframe` are reassigned to when it is removed: the one
+/// that shares most landmarks with it, or else the first one.
+[[nodiscard]] KeyframeId replacementKeyframe(KeyframeId keyframe, const SparseMap& map);
+
+/// Age of the submap that was initialised last, at a predicted pose.
+///
+/// There is none before the first initialisation, or after relocalisation in an older submap.
+class ActiveSubmap {
+ public:
+  void initialise(KeyframeId first) {
+    first_ = first;
+    frames_ = 0;
+    tracked_s_ = 0.0;
+  }
+  /// A frame was tracked, so long after the frame before [s].
+  void addTracked(double seconds) {
+    ++frames_;
+    tracked_s_ += seconds;
+  }
+  /// The camera was relocalised at a keyframe, which may belong to an older submap.
+  void relocaliseAt(KeyframeId recognised) {
+    if (recognised < first_) first_ = KeyframeId{};
+  }
+
+  /// First keyframe; invalid if there is no active submap.
+  [[nodiscard]] KeyframeId first() const { return first_; }
+
+  /// Whether its static landmarks may still be reassigned: for 0.8 s, in which a walking person has
+  /// left their place, and two frames at least.
+  [[nodiscard]] bool isNew(const FrameRate& rate) const {
+    constexpr double kNew_s = 0.8;
+    return first_.valid() && (frames_ < 2 || !rate.isOver(tracked_s_, kNew_s));
+  }
+
+  /// Whether the camera has been lost for so long that a new submap is initialised: longer than it
+  /// was tracked in this one, since a submap lost right after its initialisation may be wrong, or
+  /// than a submap that is not new may be lost; and in two frames at least.
+  ///
+  /// @param restart_after_s  of a submap that is not new
+  [[nodiscard]] bool isOver(int lost_frames, double lost_s, double restart_after_s,
+                            const FrameRate& rate) const {
+    const double interval = rate.interval();
+    const double max_s =
+        first_.valid() ? std::min(restart_after_s, tracked_s_ + interval) : restart_after_s;
+    return lost_frames > 1 && rate.isOver(lost_s, max_s + interval);
+  }
+
+ private:
+  KeyframeId first_;
+  int frames_ = 0;          ///< tracked ones
+  double tracked_s_ = 0.0;  ///< of them
 };
 
 }  // namespace headway::slam

@@ -85,7 +85,7 @@ struct LoopProgress {
 
 /// Detects loops and relocalises lost cameras, and corrects the map at loops.
 ///
-/// close() does all of it at once. search() and advance() do it beside the tracking: descriptors,
+/// close() does all of it at once. search() and advance() do it in the background: descriptors,
 /// verification and pose graph run in another thread, on copies, and take several frames; only the
 /// tracking thread reads and changes the map, between two frames.
 class LoopCloser {

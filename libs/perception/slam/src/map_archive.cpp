@@ -6,7 +6,6 @@
 #include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/map_view.h>
-#include <headway/slam/stereo_slam.h>
 
 #include <cmath>
 #include <cstdio>

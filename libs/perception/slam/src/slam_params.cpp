@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parameters of the SLAM, section [slam] of a configuration.
+#include <headway/core/statistics.h>
 #include <headway/slam/slam_params.h>
 
 namespace headway::slam {
@@ -23,8 +24,9 @@ void describeExpertKeys(SlamParams& params, Params::Section& section) {
   section.add("max_speed", params.max_speed_mps, 1.0, 1000.0, "m/s",
               "Maximum speed of the robot; faster frames are unreliable, and a warning names the "
               "first one");
-  section.add("restart_after_frames", params.restart_after_frames, 1, 100000, "frames",
-              "Consecutive lost frames after which a new submap is initialised");
+  section.add("restart_after_s", params.restart_after_s, 0.0, 10000.0, "s",
+              "Time of a lost camera after which a new submap is initialised");
+  section.renamed("restart_after_frames", "restart_after_s", secondsOfFrames);
 }
 
 }  // namespace

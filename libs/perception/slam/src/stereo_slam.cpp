@@ -2,6 +2,7 @@
 // Stereo visual SLAM: localises each frame in the map that it builds.
 #include <headway/core/error.h>
 #include <headway/core/stage_times.h>
+#include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/joint_map.h>
 #include <headway/slam/stereo_slam.h>
@@ -56,14 +57,66 @@ class StereoSlam::Implementation {
         trajectory_(params.trajectory_in_memory) {}
 
   SlamUpdate process(const stereo::FrameContext& context, const MovingRegions& moving,
-                     ImageEvidence images);
+                     ImageEvidence images) {
+    LoopProgress searched = takeBackgroundWork();
+    const StereoFrame& frame = context.frame();
+    rate_.add(frame.time);
+    tracker_.setInterval(rate_.interval());
+    const bool is_repeated = images == ImageEvidence::kSeenBefore;
+    const bool stands = standstill_check_.add(frame.time, frame.motion_prior, !is_repeated);
+    const bool is_frozen = is_repeated && !(params_.use_odometry && stands);
+    TrackingFrame current;
+    std::optional<TrackedPose> tracked;
+    {
+      const auto watch = times_.watch("slam_track");
+      mapper_.addOdometry(frame.motion_prior);
+      odometry_since_tracked_.add(frame.motion_prior);
+      turns_known_ = turns_known_ && params_.use_imu && frame.motion_prior.R_previous_current;
+      current = makeTrackingFrame(context, moving, *camera_, params_);
+      if (!is_frozen) tracked = track(context, current);
+    }
+    const auto watch = times_.watch("slam_map");
+    SlamUpdate update =
+        is_frozen ? passOver(frame, current) : localised(frame, current, tracked, images);
+    update.imu = inertial_.status();
+    if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
+    describePose(update);
+    is_cause_kept_ = false;
+    trajectory_.add(current.index, current.time, isTracked(update.status), motion_.last(),
+                    reference_, map_);
+    if (update.status == TrackingStatus::kLost || is_frozen) return update;
+    odometry_since_tracked_.restartAt(*reference_);
+    last_tracked_ = current.time;
+    turns_known_ = true;
+    covariance_when_tracked_ = covariance_;
+    previous_ = std::move(current);
+    return update;
+  }
+
   void finish() {
     const LoopProgress searched = loops_.finish(map_);
     followMap(changeOf(searched.attempts), searched.correction);
     followMap(MapChange::kBundleAdjustment, adjuster_.finish(map_));
   }
-  void load(const std::string& bytes);
-  void correct(const KeyframePoses& poses);
+
+  void load(const std::string& bytes) {
+    map_ = unpackMap(bytes, *camera_);
+    views_.reset();
+    for (const auto& [id, keyframe] : map_.keyframes()) loops_.index(id, map_);
+  }
+
+  void correct(const KeyframePoses& poses) {
+    adjuster_.abandon();
+    loops_.abandon();
+    if (reference_) {
+      const Pose T_reference_cam =
+          map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * motion_.last();
+      motion_.correct(normalized(Pose(poses.at(*reference_) * T_reference_cam)));
+      noteChange(MapChange::kMapsJoined);
+    }
+    applyCorrection(poses, map_);
+  }
+
   [[nodiscard]] const SparseMap& sparseMap() const { return map_; }
   [[nodiscard]] const StereoCamera& camera() const { return *camera_; }
   [[nodiscard]] const SlamParams& params() const { return params_; }
@@ -73,7 +126,35 @@ class StereoSlam::Implementation {
   [[nodiscard]] std::optional<stereo::OffsetEstimate> takeFreeOffset() {
     return adjuster_.takeFreeOffset();
   }
-  void turnRightCamera(const Eigen::Vector3d& angles, bool always_so);
+
+  void turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
+    visual_odometry_.turnRightCamera(map_.rightTurn(), angles);
+    if (!params_.mapping || angles == map_.rightTurn()) return;
+    if (!always_so || !reference_) return map_.setRightTurn(angles);
+    adjuster_.abandon();
+    loops_.abandon();
+    for (TrackedLandmark& seen : seen_before_) {
+      stereo::StereoMeasurement& measured = seen.measurement;
+      measured.disparity = stereo::turnedDisparity(measured.uv, measured.disparity,
+                                                   map_.rightTurn(), angles, *camera_);
+    }
+    std::map<KeyframeId, Pose> before;
+    for (const auto& [id, keyframe] : map_.keyframes()) before[id] = keyframe.T_map_cam;
+    Pose T_reference_cam = before.at(*reference_).inverse(Eigen::Isometry) * motion_.last();
+    slam::turnRightCamera(angles, *camera_, map_);
+    const KeyframeId newest = map_.keyframes().rbegin()->first;
+    adjustBundle(map_, map_.neighbourhood(newest, kReadjusted), *camera_, kReadjustIterations,
+                 params_.stop);
+    const auto ratios = scaleChanges(before, map_);
+    trajectory_.scale(ratios);
+    const auto here = ratios.find(*reference_);
+    if (here != ratios.end()) T_reference_cam.translation() *= here->second;
+    motion_.correct(normalized(Pose(map_.keyframe(*reference_).T_map_cam * T_reference_cam)));
+    measureLastPoseAgain();
+    noteChange(MapChange::kRightCamera);
+    local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
+  }
+
   [[nodiscard]] MapView map() { return views_.make(map_, submap()); }
   [[nodiscard]] MapView map(int submap) const { return makeMapView(map_, T_cam_robot_, submap); }
   [[nodiscard]] TrajectoryVisit trajectorySnapshot() const {
@@ -82,35 +163,356 @@ class StereoSlam::Implementation {
   [[nodiscard]] const StageTimes& times() const { return times_; }
 
  private:
+  /// Tracks from the last pose, or else relocalises in the whole map.
   std::optional<TrackedPose> track(const stereo::FrameContext& context,
-                                   const TrackingFrame& current);
-  void initialiseMotion(const stereo::FrameContext& context);
+                                   const TrackingFrame& current) {
+    relocalised_ = false;
+    if (!reference_) {
+      initialiseMotion(context);
+      if (map_.keyframes().empty()) return std::nullopt;
+    }
+    std::optional<Pose> proposed;
+    if (lost_in_a_row_ == 0) {
+      const auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
+      if (step) proposed = normalized(motion_.last() * *step);
+    }
+    const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
+    auto tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
+                                  local_landmarks_, active_submap_.isNew(rate_), map_);
+    if (tracked) return tracked;
+    KeyframeId recognised;
+    tracked = loops_.locate(current, map_, &recognised);
+    if (!tracked) return std::nullopt;
+    relocalised_ = true;
+    setReferenceKeyframe(recognised);
+    active_submap_.relocaliseAt(recognised);
+    return tracked;
+  }
+
+  /// The robot's first pose: upright as it is mounted, or as gravity tells where it is not.
+  void initialiseMotion(const stereo::FrameContext& context) {
+    const StereoFrame& frame = context.frame();
+    Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+    const auto up_ground = [&]() -> std::optional<Eigen::Vector3d> {
+      if (!context.ground()) return std::nullopt;
+      return Eigen::Vector3d(camera_->T_robot_cam.linear() * context.ground()->up);
+    };
+    if (params_.use_imu) up = inertial_.initialUp(frame.motion_prior, up_ground);
+    motion_.initialise(frame.time, up);
+    if (!motion_in_odom_.isStarted()) motion_in_odom_ = motion_;
+  }
+
+  /// Turns the map about its origin where gravity shows that it is not level.
+  ///
+  /// @param sigma_m  of the camera's motion between both frames
   void levelMap(const StereoFrame& frame, const Stamped<Pose>& previous, const Pose& T_map_cam,
-                double sigma_m);
+                double sigma_m) {
+    if (!params_.use_imu) return;
+    const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
+    const CameraStep step{frame.time - previous.time, previous.value * T_cam_robot_,
+                          camera_->T_robot_cam * T_previous_current * T_cam_robot_, sigma_m};
+    const auto rotation = inertial_.add(step, frame.motion_prior);
+    if (inertial_.isLeftOut()) {
+      motion_.disableImu();
+      motion_in_odom_.disableImu();
+    }
+    if (!rotation || !params_.mapping) return;
+    const Pose turn(*rotation);
+    adjuster_.abandon();
+    loops_.abandon();
+    std::map<KeyframeId, Pose> poses;
+    for (const auto& [id, key] : map_.keyframes()) {
+      if (key.submap == submap()) poses[id] = normalized(turn * key.T_map_cam);
+    }
+    applyCorrection(poses, map_);
+    motion_.correct(normalized(turn * motion_.last()));
+    noteChange(MapChange::kGravity);
+  }
+
+  /// Takes the pose that was tracked, if one was, and all that sets the motion before against it.
   SlamUpdate localised(const StereoFrame& frame, const TrackingFrame& current,
-                       std::optional<TrackedPose>& tracked, ImageEvidence images);
+                       std::optional<TrackedPose>& tracked, ImageEvidence images) {
+    const Stamped<Pose> previous{previous_.time, motion_.last()};
+    const bool tracked_twice = tracked && !relocalised_ && lost_in_a_row_ == 0;
+    const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
+    const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
+    Doubt doubt = Doubt::kNone;
+    std::optional<Pose> tracked_step;
+    if (tracked_twice) {
+      const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
+      tracked_step = T_previous_current;
+      const MeasuredStep step{frame.time, camera_->T_robot_cam * T_previous_current * T_cam_robot_,
+                              sigma_m, rotationSigma(tracked->covariance)};
+      doubt = doubtOf(step, frame.time - previous.time, frame.motion_prior);
+    } else {
+      odometry_check_.restart();
+      inertial_.interrupt();
+    }
+    // A camera that was recognised right after it was tracked was not out of sight of its corners.
+    const bool is_followed = tracked && lost_in_a_row_ == 0 && doubt != Doubt::kSpeed;
+    moveOdometry(frame, current, is_followed, tracked_step);
+    if (tracked && !tracked_twice) noteChange(MapChange::kRelocalised);
+    SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
+    update.doubt = doubt;
+    if (tracked_twice) {
+      levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
+    }
+    previous_sigma_m_ = sigma_m;
+    if (update.status != TrackingStatus::kTracked) return update;
+    if (images == ImageEvidence::kContradictory) update.doubt = Doubt::kImages;
+    if (update.doubt != Doubt::kNone) update.status = TrackingStatus::kUnreliable;
+    return update;
+  }
+
+  /// Moves the robot in the odometry frame: by the images alone, else as it was tracked in the map
+  /// or as predicted.
+  ///
+  /// @param is_followed   whether the images may be used, and those of the frame before
+  /// @param tracked_step  the camera's motion in the map; nullopt if it was not tracked in both
   void moveOdometry(const StereoFrame& frame, const TrackingFrame& current, bool is_followed,
-                    const std::optional<Pose>& tracked_step);
-  [[nodiscard]] Pose predictedStep(const StereoFrame& frame) const;
-  void describePose(SlamUpdate& update) const;
-  Doubt doubtOf(const MeasuredStep& step, double seconds, const MotionPrior& prior);
-  SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked);
-  SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current);
-  void coast(const StereoFrame& frame);
+                    const std::optional<Pose>& tracked_step) {
+    const double seconds = motion_in_odom_.secondsTo(frame.time);
+    std::optional<Pose> step;
+    if (is_followed) {
+      step = visual_odometry_.advance(current, tracked_step);
+      const bool is_too_fast =
+          step && seconds > 0.0 && step->translation().norm() > params_.max_speed_mps * seconds;
+      if (!step || is_too_fast) step = tracked_step;
+    } else {
+      visual_odometry_.restart(current);
+    }
+    coasted_ = predictedStep(frame);
+    const Pose& last = motion_in_odom_.last();
+    if (!step) return motion_in_odom_.coast(frame.time, normalized(last * coasted_));
+    motion_in_odom_.update(frame.time, normalized(last * *step));
+  }
+
+  /// The camera's motion since the frame before as odometry predicts it, no faster than a robot is.
+  [[nodiscard]] Pose predictedStep(const StereoFrame& frame) const {
+    const Pose& last = motion_in_odom_.last();
+    Pose step = last.inverse(Eigen::Isometry) * motion_in_odom_.predict(frame);
+    const double metres = step.translation().norm();
+    const double max_metres = params_.max_speed_mps * motion_in_odom_.secondsTo(frame.time);
+    const bool is_too_fast = max_metres > 0.0 && metres > max_metres;
+    if (is_too_fast) step.translation() *= max_metres / metres;  // wheels that are wrong
+    return step;
+  }
+
+  /// Pose and covariance in both frames, and the submap.
+  void describePose(SlamUpdate& update) const {
+    update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
+    update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
+    update.T_odom_robot = normalized(motion_in_odom_.last() * T_cam_robot_);
+    update.T_map_odom =
+        normalized(update.T_map_robot * update.T_odom_robot.inverse(Eigen::Isometry));
+    // T_odom_robot is known exactly: it defines the odometry frame.
+    update.map_odom_covariance = composedCovariance(
+        update.covariance, update.T_odom_robot.inverse(Eigen::Isometry), PoseCovariance::Zero());
+    update.revision = revision_;
+    update.submap = submap();
+    if (update.status == TrackingStatus::kTracked && update.submap != 0) {
+      update.status = TrackingStatus::kTrackedInNewSubmap;
+    }
+  }
+
+  /// What contradicts a motion that was measured.
+  Doubt doubtOf(const MeasuredStep& step, double seconds, const MotionPrior& prior) {
+    const bool agrees = !params_.use_odometry || odometry_check_.add(step, prior);
+    const double metres = step.T_previous_current.translation().norm();
+    if (seconds > 0.0 && metres > params_.max_speed_mps * seconds) return Doubt::kSpeed;
+    return agrees ? Doubt::kNone : Doubt::kOdometry;
+  }
+
+  /// The camera is tracked: choose its reference keyframe or insert a new one.
+  SlamUpdate accept(const TrackingFrame& current, TrackedPose& tracked) {
+    SlamUpdate update;
+    update.status = TrackingStatus::kTracked;
+    update.inliers = static_cast<int>(tracked.landmarks.size());
+    const Keyframe& reference = map_.keyframe(*reference_);
+    const Pose T_reference_cam = reference.T_map_cam.inverse(Eigen::Isometry) * tracked.T_map_cam;
+    covariance_ = composedCovariance(reference.covariance, T_reference_cam, tracked.covariance);
+    if (lost_in_a_row_ > 0) {
+      motion_.reset(current.time, tracked.T_map_cam);  // predicted to measured pose is no velocity
+    } else {
+      motion_.update(current.time, tracked.T_map_cam);
+    }
+    lost_in_a_row_ = 0;
+    active_submap_.addTracked(secondsOfFrame());
+    const auto chosen = referenceOf(tracked.landmarks, *reference_, params_, camera_->width, map_);
+    if (!chosen) {
+      makeKeyframe(current, tracked, update);
+    } else if (*chosen != *reference_) {
+      setReferenceKeyframe(*chosen);
+    }
+    seen_before_ = std::move(tracked.landmarks);
+    update.features = static_cast<int>(seen_before_.size());
+    seen_before_.insert(seen_before_.end(), tracked.dynamic_outliers.begin(),
+                        tracked.dynamic_outliers.end());
+    return update;
+  }
+
+  /// The camera is lost: predict its pose, and initialise a new submap after a while.
+  SlamUpdate handleLost(const StereoFrame& frame, const TrackingFrame& current) {
+    SlamUpdate update;
+    coast(frame);
+    const bool is_over =
+        active_submap_.isOver(lost_in_a_row_, lost_s_, params_.restart_after_s, rate_);
+    const bool is_first = map_.keyframes().empty();
+    // A beginning that is given up leaves its number, if nothing else remains of the map.
+    const bool is_last = active_submap_.isNew(rate_) && !is_first &&
+                         active_submap_.first() == map_.keyframes().begin()->first;
+    const bool keeps_submap = is_first || is_last || isBridged(frame);
+    const int submap = keeps_submap ? this->submap() : map_.newSubmap();
+    if (params_.mapping && (is_over || is_first) && initialise(current, submap)) {
+      lost_in_a_row_ = 0;
+      if (!is_first) noteChange(MapChange::kNewSubmap);
+      update.status = TrackingStatus::kTracked;
+      update.is_keyframe = true;
+      update.inliers = update.features = static_cast<int>(seen_before_.size());
+    }
+    return update;
+  }
+
+  /// The pose of a frame whose images say nothing is the predicted one. Its covariance grows by
+  /// that of wheel odometry since the last tracked frame, or without it by a constant rate.
+  void coast(const StereoFrame& frame) {
+    constexpr double kGrowth = 0.1;  ///< of the variances, of a robot that moves freely [m^2/s]
+    lost_s_ = (lost_in_a_row_++ > 0 ? lost_s_ : 0.0) + secondsOfFrame();
+    if (!reference_) return;
+    const double seconds = motion_.secondsTo(frame.time);
+    motion_.coast(frame.time, normalized(motion_.last() * coasted_));
+    if (const auto& link = odometry_since_tracked_.link()) {
+      covariance_ = predictedCovariance(covariance_when_tracked_, *link);
+    } else {
+      covariance_ += kGrowth * seconds * PoseCovariance::Identity();
+    }
+  }
+
+  /// Covariance of the camera's pose after a motion of the robot by wheel odometry.
   [[nodiscard]] PoseCovariance predictedCovariance(const PoseCovariance& before,
-                                                   const OdometryLink& link) const;
-  SlamUpdate passOver(const StereoFrame& frame, const TrackingFrame& current);
-  bool initialise(const TrackingFrame& current, int submap);
-  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update);
-  void setReferenceKeyframe(KeyframeId keyframe);
-  void removeSubmap(KeyframeId first, KeyframeId end);
-  void remove(KeyframeId keyframe, KeyframeId replacement);
-  LoopProgress takeBackgroundWork();
-  void followMap(MapChange cause, const std::optional<Pose>& correction);
-  void noteChange(MapChange cause);
-  [[nodiscard]] MapChange changeOf(const std::vector<LoopAttempt>& attempts) const;
-  void measureLastPoseAgain();
-  [[nodiscard]] bool isBridged(const StereoFrame& frame) const;
+                                                   const OdometryLink& link) const {
+    const auto of_robot = composedCovariance(before, T_cam_robot_, PoseCovariance::Zero());
+    const auto moved = composedCovariance(of_robot, link.T_from_this, covarianceOf(link));
+    return composedCovariance(moved, camera_->T_robot_cam, PoseCovariance::Zero());
+  }
+
+  /// The images were seen before, while the robot may move on.
+  SlamUpdate passOver(const StereoFrame& frame, const TrackingFrame& current) {
+    moveOdometry(frame, current, false, std::nullopt);
+    coast(frame);
+    odometry_check_.restart();
+    inertial_.interrupt();
+    SlamUpdate update;
+    update.status = TrackingStatus::kUnreliable;
+    update.doubt = Doubt::kFrozen;
+    return update;
+  }
+
+  /// Inserts a first keyframe at the predicted pose; false, and no change, with too few landmarks.
+  bool initialise(const TrackingFrame& current, int submap) {
+    std::vector<TrackedLandmark> landmarks;
+    const KeyframeId id =
+        mapper_.insert(current, motion_.last(), covariance_, submap, landmarks, map_);
+    if (static_cast<int>(landmarks.size()) < params_.min_inliers) {
+      map_.removeKeyframe(id);
+      return false;
+    }
+    loops_.index(id, map_);
+    setReferenceKeyframe(id);
+    if (active_submap_.isNew(rate_)) removeSubmap(active_submap_.first(), id);
+    active_submap_.initialise(id);
+    seen_before_ = std::move(landmarks);
+    return true;
+  }
+
+  /// Inserts the frame as a keyframe, closes loops, and removes redundant keyframes.
+  void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update) {
+    update.is_keyframe = true;
+    const KeyframeId id =
+        mapper_.insert(current, tracked.T_map_cam, covariance_, submap(), tracked.landmarks, map_);
+    loops_.index(id, map_);
+    if (params_.loop_closing) update.loops = loops_.closeOrSearch(current, id, map_);
+    motion_.correct(map_.keyframe(id).T_map_cam);
+    noteChange(changeOf(update.loops));
+    while (const auto redundant = redundantKeyframe(id, params_.window, map_)) {
+      remove(*redundant, replacementKeyframe(*redundant, map_));
+    }
+    setReferenceKeyframe(id);
+  }
+
+  /// Sets the keyframe whose neighbourhood the next frames are tracked against.
+  void setReferenceKeyframe(KeyframeId keyframe) {
+    reference_ = keyframe;
+    local_landmarks_ = map_.seenBy(map_.neighbourhood(keyframe, params_.window));
+  }
+
+  /// Removes an abandoned submap, the keyframes from `first` up to `end`, its replacement.
+  void removeSubmap(KeyframeId first, KeyframeId end) {
+    auto at = map_.keyframes().lower_bound(first);
+    while (at != map_.keyframes().end() && at->first < end) remove((at++)->first, end);
+  }
+
+  /// Removes a keyframe; the frames anchored to it are reassigned to another.
+  void remove(KeyframeId keyframe, KeyframeId replacement) {
+    trajectory_.reassign(keyframe, replacement, map_);
+    loops_.remove(keyframe);
+    map_.removeKeyframe(keyframe);
+  }
+
+  /// Applies what finished in the background.
+  LoopProgress takeBackgroundWork() {
+    const auto watch = times_.watch("slam_background");
+    followMap(MapChange::kBundleAdjustment, adjuster_.applyFinished(map_));
+    LoopProgress searched = loops_.advance(map_);
+    followMap(changeOf(searched.attempts), searched.correction);
+    return searched;
+  }
+
+  /// Moves the camera with the newest keyframe after a change of the map between two frames.
+  void followMap(MapChange cause, const std::optional<Pose>& correction) {
+    if (!correction) return;
+    motion_.correct(normalized(Pose(*correction * motion_.last())));
+    measureLastPoseAgain();
+    noteChange(cause);
+  }
+
+  void noteChange(MapChange cause) {
+    ++revision_.number;
+    if (is_cause_kept_ && cause == MapChange::kBundleAdjustment) return;
+    revision_.cause = cause;
+    is_cause_kept_ = cause != MapChange::kBundleAdjustment;
+  }
+
+  /// What a search for loops did to the map, apart from the adjustment of the newest keyframes.
+  [[nodiscard]] MapChange changeOf(const std::vector<LoopAttempt>& attempts) const {
+    for (const LoopAttempt& attempt : attempts) {
+      if (attempt.outcome != LoopOutcome::kClosed) continue;
+      return attempt.joins_submaps ? MapChange::kSubmapJoined : MapChange::kLoop;
+    }
+    return MapChange::kBundleAdjustment;
+  }
+
+  /// The landmarks around the camera have moved, and not as a rigid body: where they are now, the
+  /// measurements of the last frame give its pose, from which the next step is measured.
+  void measureLastPoseAgain() {
+    if (lost_in_a_row_ > 0) return;
+    const auto refined = tracker_.poseOf(seen_before_, motion_.last(), map_);
+    if (refined) motion_.correct(*refined);
+  }
+
+  /// Time since the frame before, of which a pause of the camera counts a second [s].
+  [[nodiscard]] double secondsOfFrame() const {
+    return std::min(rate_.lastInterval(), MotionModel::kMaxGap_s);
+  }
+
+  /// Whether the way since the last tracked frame is known: by wheel odometry, or for as long as a
+  /// velocity may be extrapolated by the gyroscope.
+  [[nodiscard]] bool isBridged(const StereoFrame& frame) const {
+    if (!reference_) return false;
+    return odometry_since_tracked_.link() ||
+           (turns_known_ && frame.time - last_tracked_ <= MotionModel::kMaxGap_s);
+  }
+
   /// That the camera is in; the one with the map's origin while it was not found in any.
   [[nodiscard]] int submap() const { return reference_ ? map_.submapOf(*reference_) : 0; }
 
@@ -147,439 +549,10 @@ class StereoSlam::Implementation {
   bool turns_known_ = false;       ///< by the gyroscope, in every frame since then
   ActiveSubmap active_submap_;
   int lost_in_a_row_ = 0;
+  double lost_s_ = 0.0;  ///< in these frames
+  FrameRate rate_;
   bool relocalised_ = false;  ///< the newest pose, in the whole map: no motion from the one before
 };
-
-SlamUpdate StereoSlam::Implementation::process(const stereo::FrameContext& context,
-                                               const MovingRegions& moving, ImageEvidence images) {
-  LoopProgress searched = takeBackgroundWork();
-  const StereoFrame& frame = context.frame();
-  const bool is_repeated = images == ImageEvidence::kSeenBefore;
-  const bool stands = standstill_check_.add(frame.time, frame.motion_prior, !is_repeated);
-  const bool is_frozen = is_repeated && !(params_.use_odometry && stands);
-  TrackingFrame current;
-  std::optional<TrackedPose> tracked;
-  {
-    const auto watch = times_.watch("slam_track");
-    mapper_.addOdometry(frame.motion_prior);
-    odometry_since_tracked_.add(frame.motion_prior);
-    turns_known_ = turns_known_ && params_.use_imu && frame.motion_prior.R_previous_current;
-    current = makeTrackingFrame(context, moving, *camera_, params_);
-    if (!is_frozen) tracked = track(context, current);
-  }
-  const auto watch = times_.watch("slam_map");
-  SlamUpdate update =
-      is_frozen ? passOver(frame, current) : localised(frame, current, tracked, images);
-  update.imu = inertial_.status();
-  if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
-  describePose(update);
-  is_cause_kept_ = false;
-  trajectory_.add(current.index, current.time, isTracked(update.status), motion_.last(), reference_,
-                  map_);
-  if (update.status == TrackingStatus::kLost || is_frozen) return update;
-  odometry_since_tracked_.restartAt(*reference_);
-  last_tracked_ = current.time;
-  turns_known_ = true;
-  covariance_when_tracked_ = covariance_;
-  previous_ = std::move(current);
-  return update;
-}
-
-/// Pose and covariance in both frames, and the submap.
-void StereoSlam::Implementation::describePose(SlamUpdate& update) const {
-  update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
-  update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
-  update.T_odom_robot = normalized(motion_in_odom_.last() * T_cam_robot_);
-  update.T_map_odom = normalized(update.T_map_robot * update.T_odom_robot.inverse(Eigen::Isometry));
-  // T_odom_robot is known exactly: it defines the odometry frame.
-  update.map_odom_covariance = composedCovariance(
-      update.covariance, update.T_odom_robot.inverse(Eigen::Isometry), PoseCovariance::Zero());
-  update.revision = revision_;
-  update.submap = submap();
-  if (update.status == TrackingStatus::kTracked && update.submap != 0) {
-    update.status = TrackingStatus::kTrackedInNewSubmap;
-  }
-}
-
-/// Takes the pose that was tracked, if one was, and all that sets the motion before against it.
-SlamUpdate StereoSlam::Implementation::localised(const StereoFrame& frame,
-                                                 const TrackingFrame& current,
-                                                 std::optional<TrackedPose>& tracked,
-                                                 ImageEvidence images) {
-  const Stamped<Pose> previous{previous_.time, motion_.last()};
-  const bool tracked_twice = tracked && !relocalised_ && lost_in_a_row_ == 0;
-  const Pose T_map_cam = tracked ? tracked->T_map_cam : Pose::Identity();
-  const double sigma_m = tracked ? positionSigma(tracked->covariance) : 0.0;
-  Doubt doubt = Doubt::kNone;
-  std::optional<Pose> tracked_step;
-  if (tracked_twice) {
-    const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
-    tracked_step = T_previous_current;
-    const MeasuredStep step{frame.time, camera_->T_robot_cam * T_previous_current * T_cam_robot_,
-                            sigma_m, rotationSigma(tracked->covariance)};
-    doubt = doubtOf(step, frame.time - previous.time, frame.motion_prior);
-  } else {
-    odometry_check_.restart();
-    inertial_.interrupt();
-  }
-  // A camera that was recognised right after it was tracked was not out of sight of its corners.
-  const bool is_followed = tracked && lost_in_a_row_ == 0 && doubt != Doubt::kSpeed;
-  moveOdometry(frame, current, is_followed, tracked_step);
-  if (tracked && !tracked_twice) noteChange(MapChange::kRelocalised);
-  SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
-  update.doubt = doubt;
-  if (tracked_twice) {
-    levelMap(frame, previous, T_map_cam, std::hypot(sigma_m, previous_sigma_m_));
-  }
-  previous_sigma_m_ = sigma_m;
-  if (update.status != TrackingStatus::kTracked) return update;
-  if (images == ImageEvidence::kContradictory) update.doubt = Doubt::kImages;
-  if (update.doubt != Doubt::kNone) update.status = TrackingStatus::kUnreliable;
-  return update;
-}
-
-/// The camera's motion since the frame before as odometry predicts it, no faster than a robot is.
-Pose StereoSlam::Implementation::predictedStep(const StereoFrame& frame) const {
-  const Pose& last = motion_in_odom_.last();
-  Pose step = last.inverse(Eigen::Isometry) * motion_in_odom_.predict(frame);
-  const double metres = step.translation().norm();
-  const double max_metres = params_.max_speed_mps * motion_in_odom_.secondsTo(frame.time);
-  const bool is_too_fast = max_metres > 0.0 && metres > max_metres;
-  if (is_too_fast) step.translation() *= max_metres / metres;  // wheels that are wrong
-  return step;
-}
-
-/// Moves the robot in the odometry frame: by the images alone, else as it was tracked in the map or
-/// as predicted.
-///
-/// @param is_followed   whether the images may be used, and those of the frame before
-/// @param tracked_step  the camera's motion in the map; nullopt if it was not tracked in both
-void StereoSlam::Implementation::moveOdometry(const StereoFrame& frame,
-                                              const TrackingFrame& current, bool is_followed,
-                                              const std::optional<Pose>& tracked_step) {
-  const double seconds = motion_in_odom_.secondsTo(frame.time);
-  std::optional<Pose> step;
-  if (is_followed) {
-    step = visual_odometry_.advance(current, tracked_step);
-    const bool is_too_fast =
-        step && seconds > 0.0 && step->translation().norm() > params_.max_speed_mps * seconds;
-    if (!step || is_too_fast) step = tracked_step;
-  } else {
-    visual_odometry_.restart(current);
-  }
-  coasted_ = predictedStep(frame);
-  const Pose& last = motion_in_odom_.last();
-  if (!step) return motion_in_odom_.coast(frame.time, normalized(last * coasted_));
-  motion_in_odom_.update(frame.time, normalized(last * *step));
-}
-
-/// What contradicts a motion that was measured.
-Doubt StereoSlam::Implementation::doubtOf(const MeasuredStep& step, double seconds,
-                                          const MotionPrior& prior) {
-  const bool agrees = !params_.use_odometry || odometry_check_.add(step, prior);
-  const double metres = step.T_previous_current.translation().norm();
-  if (seconds > 0.0 && metres > params_.max_speed_mps * seconds) return Doubt::kSpeed;
-  return agrees ? Doubt::kNone : Doubt::kOdometry;
-}
-
-/// Tracks from the last pose, or else relocalises in the whole map.
-std::optional<TrackedPose> StereoSlam::Implementation::track(const stereo::FrameContext& context,
-                                                             const TrackingFrame& current) {
-  relocalised_ = false;
-  if (!reference_) {
-    initialiseMotion(context);
-    if (map_.keyframes().empty()) return std::nullopt;
-  }
-  std::optional<Pose> proposed;
-  if (lost_in_a_row_ == 0) {
-    const auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
-    if (step) proposed = normalized(motion_.last() * *step);
-  }
-  const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
-  auto tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
-                                local_landmarks_, active_submap_.isNew(), map_);
-  if (tracked) return tracked;
-  KeyframeId recognised;
-  tracked = loops_.locate(current, map_, &recognised);
-  if (!tracked) return std::nullopt;
-  relocalised_ = true;
-  setReferenceKeyframe(recognised);
-  active_submap_.relocaliseAt(recognised);
-  return tracked;
-}
-
-/// The robot's first pose: upright as it is mounted, or as gravity tells where it is not.
-void StereoSlam::Implementation::initialiseMotion(const stereo::FrameContext& context) {
-  const StereoFrame& frame = context.frame();
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const auto up_ground = [&]() -> std::optional<Eigen::Vector3d> {
-    if (!context.ground()) return std::nullopt;
-    return Eigen::Vector3d(camera_->T_robot_cam.linear() * context.ground()->up);
-  };
-  if (params_.use_imu) up = inertial_.initialUp(frame.motion_prior, up_ground);
-  motion_.initialise(frame.time, up);
-  if (!motion_in_odom_.isStarted()) motion_in_odom_ = motion_;
-}
-
-/// Turns the map about its origin where gravity shows that it is not level.
-///
-/// @param sigma_m  of the camera's motion between both frames
-void StereoSlam::Implementation::levelMap(const StereoFrame& frame, const Stamped<Pose>& previous,
-                                          const Pose& T_map_cam, double sigma_m) {
-  if (!params_.use_imu) return;
-  const Pose T_previous_current = previous.value.inverse(Eigen::Isometry) * T_map_cam;
-  const CameraStep step{frame.time - previous.time, previous.value * T_cam_robot_,
-                        camera_->T_robot_cam * T_previous_current * T_cam_robot_, sigma_m};
-  const auto rotation = inertial_.add(step, frame.motion_prior);
-  if (inertial_.isLeftOut()) {
-    motion_.disableImu();
-    motion_in_odom_.disableImu();
-  }
-  if (!rotation || !params_.mapping) return;
-  const Pose turn(*rotation);
-  adjuster_.abandon();
-  loops_.abandon();
-  std::map<KeyframeId, Pose> poses;
-  for (const auto& [id, key] : map_.keyframes()) {
-    if (key.submap == submap()) poses[id] = normalized(turn * key.T_map_cam);
-  }
-  applyCorrection(poses, map_);
-  motion_.correct(normalized(turn * motion_.last()));
-  noteChange(MapChange::kGravity);
-}
-
-/// The camera is tracked: choose its reference keyframe or insert a new one.
-SlamUpdate StereoSlam::Implementation::accept(const TrackingFrame& current, TrackedPose& tracked) {
-  SlamUpdate update;
-  update.status = TrackingStatus::kTracked;
-  update.inliers = static_cast<int>(tracked.landmarks.size());
-  const Keyframe& reference = map_.keyframe(*reference_);
-  const Pose T_reference_cam = reference.T_map_cam.inverse(Eigen::Isometry) * tracked.T_map_cam;
-  covariance_ = composedCovariance(reference.covariance, T_reference_cam, tracked.covariance);
-  if (lost_in_a_row_ > 0) {
-    motion_.reset(current.time, tracked.T_map_cam);  // predicted to measured pose is no velocity
-  } else {
-    motion_.update(current.time, tracked.T_map_cam);
-  }
-  lost_in_a_row_ = 0;
-  active_submap_.countTrackedFrame();
-  const auto chosen = referenceOf(tracked.landmarks, *reference_, params_, camera_->width, map_);
-  if (!chosen) {
-    makeKeyframe(current, tracked, update);
-  } else if (*chosen != *reference_) {
-    setReferenceKeyframe(*chosen);
-  }
-  seen_before_ = std::move(tracked.landmarks);
-  update.features = static_cast<int>(seen_before_.size());
-  seen_before_.insert(seen_before_.end(), tracked.dynamic_outliers.begin(),
-                      tracked.dynamic_outliers.end());
-  return update;
-}
-
-/// Inserts the frame as a keyframe, closes loops, and removes redundant keyframes.
-void StereoSlam::Implementation::makeKeyframe(const TrackingFrame& current, TrackedPose& tracked,
-                                              SlamUpdate& update) {
-  update.is_keyframe = true;
-  const KeyframeId id =
-      mapper_.insert(current, tracked.T_map_cam, covariance_, submap(), tracked.landmarks, map_);
-  loops_.index(id, map_);
-  if (params_.loop_closing) update.loops = loops_.closeOrSearch(current, id, map_);
-  motion_.correct(map_.keyframe(id).T_map_cam);
-  noteChange(changeOf(update.loops));
-  while (const auto redundant = redundantKeyframe(id, params_.window, map_)) {
-    remove(*redundant, replacementKeyframe(*redundant, map_));
-  }
-  setReferenceKeyframe(id);
-}
-
-/// Sets the keyframe whose neighbourhood the next frames are tracked against.
-void StereoSlam::Implementation::setReferenceKeyframe(KeyframeId keyframe) {
-  reference_ = keyframe;
-  local_landmarks_ = map_.seenBy(map_.neighbourhood(keyframe, params_.window));
-}
-
-/// Removes an abandoned submap, the keyframes from `first` up to `end`, its replacement.
-void StereoSlam::Implementation::removeSubmap(KeyframeId first, KeyframeId end) {
-  auto at = map_.keyframes().lower_bound(first);
-  while (at != map_.keyframes().end() && at->first < end) remove((at++)->first, end);
-}
-
-/// Removes a keyframe; the frames anchored to it are reassigned to another.
-void StereoSlam::Implementation::remove(KeyframeId keyframe, KeyframeId replacement) {
-  trajectory_.reassign(keyframe, replacement, map_);
-  loops_.remove(keyframe);
-  map_.removeKeyframe(keyframe);
-}
-
-/// Applies what finished in the background.
-LoopProgress StereoSlam::Implementation::takeBackgroundWork() {
-  const auto watch = times_.watch("slam_background");
-  followMap(MapChange::kBundleAdjustment, adjuster_.applyFinished(map_));
-  LoopProgress searched = loops_.advance(map_);
-  followMap(changeOf(searched.attempts), searched.correction);
-  return searched;
-}
-
-/// Moves the camera with the newest keyframe after a change of the map between two frames.
-void StereoSlam::Implementation::followMap(MapChange cause, const std::optional<Pose>& correction) {
-  if (!correction) return;
-  motion_.correct(normalized(Pose(*correction * motion_.last())));
-  measureLastPoseAgain();
-  noteChange(cause);
-}
-
-/// The landmarks around the camera have moved, and not as a rigid body: where they are now, the
-/// measurements of the last frame give its pose, from which the next step is measured.
-void StereoSlam::Implementation::measureLastPoseAgain() {
-  if (lost_in_a_row_ > 0) return;
-  const auto refined = tracker_.poseOf(seen_before_, motion_.last(), map_);
-  if (refined) motion_.correct(*refined);
-}
-
-void StereoSlam::Implementation::noteChange(MapChange cause) {
-  ++revision_.number;
-  if (is_cause_kept_ && cause == MapChange::kBundleAdjustment) return;
-  revision_.cause = cause;
-  is_cause_kept_ = cause != MapChange::kBundleAdjustment;
-}
-
-/// What a search for loops did to the map, beside the adjustment of the newest keyframes.
-MapChange StereoSlam::Implementation::changeOf(const std::vector<LoopAttempt>& attempts) const {
-  for (const LoopAttempt& attempt : attempts) {
-    if (attempt.outcome != LoopOutcome::kClosed) continue;
-    return attempt.joins_submaps ? MapChange::kSubmapJoined : MapChange::kLoop;
-  }
-  return MapChange::kBundleAdjustment;
-}
-
-void StereoSlam::Implementation::load(const std::string& bytes) {
-  map_ = unpackMap(bytes, *camera_);
-  views_.reset();
-  for (const auto& [id, keyframe] : map_.keyframes()) loops_.index(id, map_);
-}
-
-/// The pose of a frame whose images say nothing is the predicted one. Its covariance grows by that
-/// of wheel odometry since the last tracked frame, or without it by a constant rate.
-void StereoSlam::Implementation::coast(const StereoFrame& frame) {
-  constexpr double kGrowth = 0.1;  ///< of the variances, of a robot that moves freely [m^2/s]
-  ++lost_in_a_row_;
-  if (!reference_) return;
-  const double seconds = motion_.secondsTo(frame.time);
-  motion_.coast(frame.time, normalized(motion_.last() * coasted_));
-  if (const auto& link = odometry_since_tracked_.link()) {
-    covariance_ = predictedCovariance(covariance_when_tracked_, *link);
-  } else {
-    covariance_ += kGrowth * seconds * PoseCovariance::Identity();
-  }
-}
-
-/// Covariance of the camera's pose after a motion of the robot by wheel odometry.
-PoseCovariance StereoSlam::Implementation::predictedCovariance(const PoseCovariance& before,
-                                                               const OdometryLink& link) const {
-  const auto of_robot = composedCovariance(before, T_cam_robot_, PoseCovariance::Zero());
-  const auto moved = composedCovariance(of_robot, link.T_from_this, covarianceOf(link));
-  return composedCovariance(moved, camera_->T_robot_cam, PoseCovariance::Zero());
-}
-
-/// The images were seen before, while the robot may move on.
-SlamUpdate StereoSlam::Implementation::passOver(const StereoFrame& frame,
-                                                const TrackingFrame& current) {
-  moveOdometry(frame, current, false, std::nullopt);
-  coast(frame);
-  odometry_check_.restart();
-  inertial_.interrupt();
-  SlamUpdate update;
-  update.status = TrackingStatus::kUnreliable;
-  update.doubt = Doubt::kFrozen;
-  return update;
-}
-
-/// The camera is lost: predict its pose, and initialise a new submap after a while.
-SlamUpdate StereoSlam::Implementation::handleLost(const StereoFrame& frame,
-                                                  const TrackingFrame& current) {
-  SlamUpdate update;
-  coast(frame);
-  const bool is_over = lost_in_a_row_ > active_submap_.maxLostFrames(params_.restart_after_frames);
-  const bool is_first = map_.keyframes().empty();
-  // A beginning that is given up leaves its number, if nothing else remains of the map.
-  const bool is_last = active_submap_.isNew() && !is_first &&
-                       active_submap_.first() == map_.keyframes().begin()->first;
-  const bool keeps_submap = is_first || is_last || isBridged(frame);
-  const int submap = keeps_submap ? this->submap() : map_.newSubmap();
-  if (params_.mapping && (is_over || is_first) && initialise(current, submap)) {
-    lost_in_a_row_ = 0;
-    if (!is_first) noteChange(MapChange::kNewSubmap);
-    update.status = TrackingStatus::kTracked;
-    update.is_keyframe = true;
-    update.inliers = update.features = static_cast<int>(seen_before_.size());
-  }
-  return update;
-}
-
-/// Whether the way since the last tracked frame is known: by wheel odometry, or for as long as a
-/// velocity may be extrapolated by the gyroscope.
-bool StereoSlam::Implementation::isBridged(const StereoFrame& frame) const {
-  if (!reference_) return false;
-  return odometry_since_tracked_.link() ||
-         (turns_known_ && frame.time - last_tracked_ <= MotionModel::kMaxGap_s);
-}
-
-/// Inserts a first keyframe at the predicted pose; false, and no change, with too few landmarks.
-bool StereoSlam::Implementation::initialise(const TrackingFrame& current, int submap) {
-  std::vector<TrackedLandmark> landmarks;
-  const KeyframeId id =
-      mapper_.insert(current, motion_.last(), covariance_, submap, landmarks, map_);
-  if (static_cast<int>(landmarks.size()) < params_.min_inliers) {
-    map_.removeKeyframe(id);
-    return false;
-  }
-  loops_.index(id, map_);
-  setReferenceKeyframe(id);
-  if (active_submap_.isNew()) removeSubmap(active_submap_.first(), id);
-  active_submap_.initialise(id);
-  seen_before_ = std::move(landmarks);
-  return true;
-}
-
-void StereoSlam::Implementation::turnRightCamera(const Eigen::Vector3d& angles, bool always_so) {
-  visual_odometry_.turnRightCamera(map_.rightTurn(), angles);
-  if (!params_.mapping || angles == map_.rightTurn()) return;
-  if (!always_so || !reference_) return map_.setRightTurn(angles);
-  adjuster_.abandon();
-  loops_.abandon();
-  for (TrackedLandmark& seen : seen_before_) {
-    stereo::StereoMeasurement& measured = seen.measurement;
-    measured.disparity = stereo::turnedDisparity(measured.uv, measured.disparity, map_.rightTurn(),
-                                                 angles, *camera_);
-  }
-  std::map<KeyframeId, Pose> before;
-  for (const auto& [id, keyframe] : map_.keyframes()) before[id] = keyframe.T_map_cam;
-  Pose T_reference_cam = before.at(*reference_).inverse(Eigen::Isometry) * motion_.last();
-  slam::turnRightCamera(angles, *camera_, map_);
-  const KeyframeId newest = map_.keyframes().rbegin()->first;
-  adjustBundle(map_, map_.neighbourhood(newest, kReadjusted), *camera_, kReadjustIterations,
-               params_.stop);
-  const auto ratios = scaleChanges(before, map_);
-  trajectory_.scale(ratios);
-  const auto here = ratios.find(*reference_);
-  if (here != ratios.end()) T_reference_cam.translation() *= here->second;
-  motion_.correct(normalized(Pose(map_.keyframe(*reference_).T_map_cam * T_reference_cam)));
-  measureLastPoseAgain();
-  noteChange(MapChange::kRightCamera);
-  local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
-}
-
-void StereoSlam::Implementation::correct(const KeyframePoses& poses) {
-  adjuster_.abandon();
-  loops_.abandon();
-  if (reference_) {
-    const Pose T_reference_cam =
-        map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * motion_.last();
-    motion_.correct(normalized(Pose(poses.at(*reference_) * T_reference_cam)));
-    noteChange(MapChange::kMapsJoined);
-  }
-  applyCorrection(poses, map_);
-}
 
 const char* toString(TrackingStatus status) {
   if (status == TrackingStatus::kTracked) return "tracked";

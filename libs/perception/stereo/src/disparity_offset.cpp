@@ -7,12 +7,12 @@
 namespace headway::stereo {
 namespace {
 
-constexpr double kWalk_px = 0.03;  ///< from frame to frame
+constexpr double kWalk_px = 0.03;  ///< in 0.1 s: images of different instants differ in turns
 constexpr double kMaxOffset_px = 4.0;
 
 }  // namespace
 
-void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points) {
+void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points, double seconds) {
   if (static_points.empty()) return;
   double information = 0.0;
   double gradient = 0.0;
@@ -21,7 +21,7 @@ void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points) {
     information += weight * point.information;
     gradient += weight * point.gradient;
   }
-  variance_ += kWalk_px * kWalk_px;
+  variance_ += kWalk_px * kWalk_px * (seconds * FrameRate::kAssumed_hz);
   const double posterior = 1.0 / (1.0 / variance_ + information);
   value_ = std::clamp(value_ + posterior * gradient, -kMaxOffset_px, kMaxOffset_px);
   variance_ = posterior;

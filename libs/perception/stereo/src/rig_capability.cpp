@@ -105,6 +105,7 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   rig.depth_reach_m = camera.depth_reach_m;
   rig.focal_baseline = camera.fx * camera.baseline_m;
   rig.sigma_disparity_px = assumptions.sigma_disparity_px;
+  rig.rate_hz = assumptions.rate_hz;
   const double mounted = camera.T_robot_cam.translation().z();
   rig.camera_height_known = mounted >= kMounting.min_known_height_m;
   rig.camera_height_m = rig.camera_height_known ? mounted : kMounting.height_m;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <vector>
 
 namespace headway {
@@ -55,6 +56,37 @@ class Histogram {
   std::size_t count_ = 0;
   double sum_ = 0.0;
   double max_ = 0.0;
+};
+
+/// The rate of frames, by the median of their intervals so far, and their time in it.
+///
+/// Parameters that mean a time are in seconds, whatever the rate is; isOver() compares them with
+/// the times of frames to the nearest frame, since these jitter.
+class FrameRate {
+ public:
+  static constexpr double kAssumed_hz = 10.0;  ///< before it is measured
+
+  /// Takes the time of the next frame [s]; one that is not later than the last has no interval.
+  void add(double time);
+
+  /// From the last frame but one to the last: 0 if it is not later, the assumed interval for the
+  /// first frame [s].
+  [[nodiscard]] double lastInterval() const { return last_interval_s_; }
+  [[nodiscard]] double interval() const { return interval_s_; }  ///< median [s]
+  [[nodiscard]] double hz() const { return 1.0 / interval_s_; }
+
+  /// Whether a time has passed that is at least a period, to the nearest frame [s].
+  [[nodiscard]] bool isOver(double seconds, double period_s) const {
+    constexpr double kNearest =
+        0.55;  ///< of an interval: more than a half, so that ties do not flip
+    return seconds + kNearest * interval_s_ >= period_s;
+  }
+
+ private:
+  std::optional<double> last_;
+  double last_interval_s_ = 1.0 / kAssumed_hz;
+  double interval_s_ = 1.0 / kAssumed_hz;
+  Histogram intervals_;
 };
 
 }  // namespace headway

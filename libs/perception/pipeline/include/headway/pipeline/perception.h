@@ -37,7 +37,7 @@ struct PerceptionCallbacks {
 /// Parameters that may change at run time, between two frames. All others are fixed.
 struct RuntimeParams {
   int detect_every_nth_frame = 1;   ///< detect.every_nth_frame, >= 1
-  int grid_every_nth_frame = 3;     ///< grid.every_nth_frame, >= 0; 0 pauses the grid
+  double grid_period_s = 0.3;       ///< grid.period_s, >= 0; 0 pauses the grid [s]
   double recorded_timeout_s = 2.0;  ///< detect.recorded_timeout_s, > 0 [s]
   /// Distance beyond which boxes are not tracked, but counted as "load_shed", > 0 [m].
   double max_box_range_m = std::numeric_limits<double>::infinity();
@@ -103,8 +103,8 @@ class Perception {
   ///         interrupted one may be part of trajectory, tracks and map, or not.
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
-  /// Capability of the rig, with the parameters that replace derived values; nullopt without
-  /// camera.
+  /// Capability of the rig at the measured rate of frames, with the parameters that replace derived
+  /// values; nullopt without camera.
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const;
 
   /// Sink of messages: findings when they occur first, loops, relocalisation, and with kDebug the

@@ -48,7 +48,7 @@ void checkDetectorNames(const std::string& names);
 
 /// Occupancy grid from ground scans. Section [grid].
 struct GridParams {
-  int every_nth_frame = 3;  ///< interval of scanned frames; 0: no grid
+  double period_s = 0.3;  ///< of ground scans; 0: no grid [s]
   detect::GroundScanParams scan;
   map::StaticGridParams map;
 
@@ -75,7 +75,7 @@ struct PerceptionParams {
   LaserParams laser;
   map::RobotFootprint robot{0.5, 0.4};
 
-  /// For live operation: bundle adjustment, loop search and pose graph run beside the tracking, so
+  /// For live operation: bundle adjustment, loop search and pose graph run in the background, so
   /// that results depend on timing. A network runs on the image as a whole, without tiles, and in
   /// every second frame at most, so that two cores process 10 frames/s.
   [[nodiscard]] static PerceptionParams live() { return live(PerceptionParams()); }

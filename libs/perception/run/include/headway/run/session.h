@@ -69,7 +69,7 @@ class MapPublisher : public Sink {
   map::SharedMap& shared_;
 };
 
-/// What ends a session, and what it does beside processing.
+/// What ends a session, and what it does apart from processing.
 struct SessionOptions {
   StopCondition stop = neverStop;     ///< ends the session before its next frame
   bool end_at_fatal_finding = false;  ///< by an InputError with the finding's text

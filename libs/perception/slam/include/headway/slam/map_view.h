@@ -51,6 +51,11 @@ using FrameVisitor = std::function<void(const FrameEstimate&)>;
 /// Calls back for all frames of a run, in order.
 using TrajectoryVisit = std::function<void(const FrameVisitor&)>;
 
+/// The view of a map that StereoSlam::save() wrote.
+///
+/// @throws InputError if the bytes are cut off, damaged or of another version
+[[nodiscard]] MapView savedMapView(const std::string& saved, const Pose& T_robot_cam);
+
 /// Cuts a map of StereoSlam::save() to a box: what remains are the keyframes whose robot was in the
 /// box, and of the landmarks that they see those in the box. Ids do not change.
 ///

@@ -37,7 +37,7 @@ struct SlamParams {
   int window = 24;                    ///< keyframes in local bundle adjustment
   int max_ba_iterations = 6;          ///< of local bundle adjustment
   bool loop_closing = true;           ///< recognise places seen before and correct the map
-  int restart_after_frames = 20;      ///< lost frames after which a new submap is initialised
+  double restart_after_s = 2.0;       ///< camera lost before a new submap is initialised [s]
 
   /// Runs bundle adjustment, the search for loops and the pose graph in threads of their own, so
   /// that results depend on timing. Not a key of configurations: live operation sets it.

@@ -135,8 +135,8 @@ struct JointMap;  // see joint_map.h
 ///
 /// The map frame is the robot's first pose, levelled as soon as an inertial sensor shows that the
 /// robot did not stand upright. A camera that is lost
-/// is relocalised in the whole map at each frame; after slam.restart_after_frames lost frames in a
-/// row, or earlier in a new submap, a new submap is initialised at the predicted pose.
+/// is relocalised in the whole map at each frame; when it was lost for slam.restart_after_s, or
+/// earlier in a new submap, a new submap is initialised at the predicted pose.
 /// Deterministic: the same frames and parameters give the same bytes, on any number of cores.
 ///
 ///     StereoSlam slam(source.camera(), params);
@@ -224,10 +224,5 @@ class StereoSlam {
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-/// The view of a map that StereoSlam::save() wrote.
-///
-/// @throws InputError if the bytes are cut off, damaged or of another version
-[[nodiscard]] MapView savedMapView(const std::string& saved, const Pose& T_robot_cam);
 
 }  // namespace headway::slam

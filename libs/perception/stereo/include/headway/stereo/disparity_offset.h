@@ -2,6 +2,8 @@
 // The offset of all disparities by a yaw of the right camera, where the poses are recorded.
 #pragma once
 
+#include <headway/core/statistics.h>
+
 #include <cmath>
 #include <vector>
 
@@ -37,7 +39,9 @@ struct OffsetEstimate {
 class DisparityOffset {
  public:
   /// @param static_points  of one frame; empty: no change
-  void update(const std::vector<OffsetEvidence>& static_points);
+  /// @param seconds        since the frame before
+  void update(const std::vector<OffsetEvidence>& static_points,
+              double seconds = 1.0 / FrameRate::kAssumed_hz);
 
   [[nodiscard]] double value() const { return value_; }  ///< measured less true disparity [px]
   [[nodiscard]] OffsetEstimate estimate() const { return {value_, std::sqrt(variance_)}; }

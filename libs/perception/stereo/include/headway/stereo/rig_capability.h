@@ -2,6 +2,7 @@
 // The distances at which a rig detects things, derived from its calibration and mounting.
 #pragma once
 
+#include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
 
 #include <string>
@@ -12,7 +13,7 @@ namespace headway::stereo {
 struct RigAssumptions {
   double min_obstacle_height_m = 0.0;  ///< 0: 0.12 for a camera mounted below 1 m, else 0.3 [m]
   double sigma_disparity_px = 0.4;     ///< noise of one disparity [px]
-  double rate_hz = 10.0;               ///< frames per second [Hz]
+  double rate_hz = FrameRate::kAssumed_hz;  ///< frames per second, as measured [Hz]
   // Configured values, which replace those of RigCapability; 0: derived.
   double nearest_m = 0.0;
   double obstacles_to_m = 0.0;
@@ -53,6 +54,7 @@ struct RigCapability {
   double camera_height_m = 0.0;        ///< above the ground [m]
   bool camera_height_known = false;    ///< false: the mounting has no height, 1.65 m are assumed
   double sigma_disparity_px = 0.0;     ///< as assumed [px]
+  double rate_hz = 0.0;                ///< as assumed or measured [Hz]
   double min_obstacle_height_m = 0.0;  ///< of the obstacles below [m]
   double nearest_m = 0.0;              ///< minimum depth matched [m]
   double ground_to_m = 0.0;            ///< ground is searched from nearest_m to here [m]
