@@ -51,7 +51,7 @@ std::unique_ptr<run::Source> sourceOf(const Options& options,
 
 pipeline::RuntimeParams runtimeParams(const pipeline::PerceptionParams& params) {
   pipeline::RuntimeParams result;
-  result.detect_every_nth_frame = params.detection.detect.every_nth_frame;
+  result.detect_period_s = params.detection.detect.period_s;
   result.grid_period_s = params.grid.period_s;
   result.recorded_timeout_s = params.detection.recorded_timeout_s;
   return result;

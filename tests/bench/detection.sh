@@ -60,7 +60,7 @@ echo
 echo "| clip | detections | tracks | moving | detect ms | frame ms | CPU ms | frames/s |"
 echo "| --- | --- | --- | --- | --- | --- | --- | --- |"
 dnn=(-c config/detectors/yolox_nano.ini --set "dnn.model=$HEADWAY_DATA/models/yolox_nano.onnx"
-  --set detect.every_nth_frame=2)
+  --set detect.period_s=0.2)
 for sequence in 06 01; do
   clip $sequence none --detector none
   clip $sequence stereo_motion --detector stereo_motion

@@ -134,7 +134,7 @@ TEST(NoiseScaleTest, IsThatOfTheImages) {
       point.motion = fitMotion(point.observations, drive.path, drive.camera, {}, 30.0);
     }
     NoiseScale scale;
-    for (int frame = 0; frame < 30; ++frame) scale.update(points);
+    for (int frame = 0; frame < 30; ++frame) scale.update(points, 0.1);
     EXPECT_NEAR(scale.value(), noise / 0.4, 0.15 * noise / 0.4);
   }
 }

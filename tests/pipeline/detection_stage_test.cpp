@@ -101,10 +101,10 @@ TEST(DetectionStageTest, NoDetectorMakesNoUseOfRecordedBoxes) {
   EXPECT_FALSE(detectAll(stage, frame).fused);
 }
 
-TEST(DetectionStageTest, EvaluatesEveryNthFrameOnly) {
+TEST(DetectionStageTest, EvaluatesAFrameInEachPeriodOnly) {
   const PaintedStreet street({});
   auto params = paramsFor("hog");
-  params.detect.every_nth_frame = 3;
+  params.detect.period_s = 0.3;
   DetectionStage stage(street.camera(), params);
   std::vector<bool> evaluated;
   for (int i = 0; i < 5; ++i) {
@@ -260,9 +260,9 @@ TEST(DetectionStageTest, AutoUsesANetworkIfThereIsAModel) {
   EXPECT_THROW(DetectionStage(street.camera(), params), InputError);
   PerceptionParams all;
   all.detection = params;
-  EXPECT_EQ(2, PerceptionParams::live(all).detection.detect.every_nth_frame);
+  EXPECT_EQ(0.2, PerceptionParams::live(all).detection.detect.period_s);
   EXPECT_FALSE(PerceptionParams::live(all).detection.detect.network.tiles);
-  EXPECT_EQ(1, PerceptionParams::live().detection.detect.every_nth_frame) << "without a model";
+  EXPECT_EQ(0.0, PerceptionParams::live().detection.detect.period_s) << "without a model";
   params.detector = "stereo_motion";
   EXPECT_EQ("", modelInUse(params));
   EXPECT_NO_THROW(DetectionStage(street.camera(), params));

@@ -159,13 +159,13 @@ TEST_F(PerceptionEventsTest, ParametersChangeBeforeTheNextFrame) {
   const auto detected_before = detected();
   const auto scanned_before = scanned();
   RuntimeParams params;
-  params.detect_every_nth_frame = 1000;
+  params.detect_period_s = 100.0;
   params.grid_period_s = 0.0;
   perception_->change(params);
   for (int i = 6; i < 10; ++i) (void)process(i);
   EXPECT_EQ(detected_before, detected());
   EXPECT_EQ(scanned_before, scanned());
-  params.detect_every_nth_frame = 0;
+  params.detect_period_s = -1.0;
   EXPECT_ANY_THROW(perception_->change(params));
 }
 

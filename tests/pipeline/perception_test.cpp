@@ -142,8 +142,8 @@ TEST(PerceptionTest, RefusesParametersOutOfRangeEvenWithoutImages) {
             errorOf([](PerceptionParams& p) { p.slam.features = 0; }));
   EXPECT_EQ("[grid] period_s: '-1' is out of range [s, 0 .. 100]",
             errorOf([](PerceptionParams& p) { p.grid.period_s = -1.0; }));
-  EXPECT_EQ("[detect] every_nth_frame: '0' is out of range [frames, 1 .. 1000]",
-            errorOf([](PerceptionParams& p) { p.detection.detect.every_nth_frame = 0; }));
+  EXPECT_EQ("[detect] period_s: '-1' is out of range [s, 0 .. 100]",
+            errorOf([](PerceptionParams& p) { p.detection.detect.period_s = -1.0; }));
 }
 
 }  // namespace

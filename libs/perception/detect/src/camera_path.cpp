@@ -10,13 +10,18 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kPriorTranslation = 0.004;  // of the motion given, frame to frame [m]
+// Of the motion given, in 0.1 s; it grows with the root of the time, as a random walk does.
+constexpr double kPriorTranslation = 0.004;  // [m]
 constexpr double kPriorRotation = 0.0035;    // [rad]
-constexpr double kLossScale = 2.0;           // of the joint Cauchy loss, in sigmas
 
-stereo::PosePrior priorAt(const Pose& T_world_cam) {
+constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
+
+/// @param seconds  since the frame before
+stereo::PosePrior priorAt(const Pose& T_world_cam, double seconds) {
+  const double growth = seconds > 0.0 ? std::sqrt(tenthsOf(seconds)) : 1.0;
   stereo::Tangent sigmas;
-  sigmas << Eigen::Vector3d::Constant(kPriorTranslation), Eigen::Vector3d::Constant(kPriorRotation);
+  sigmas << Eigen::Vector3d::Constant(growth * kPriorTranslation),
+      Eigen::Vector3d::Constant(growth * kPriorRotation);
   stereo::PosePrior prior;
   prior.T_map_cam = T_world_cam;
   prior.information = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
@@ -46,7 +51,7 @@ double CameraPath::refine(const std::vector<StaticObservation>& points) {
         {seen.point, {seen.uvd.head<2>(), seen.uvd.z(), true, sigma_px_, sigma_px_}, true, true});
   }
   const Pose given = T_cam_world.inverse(Eigen::Isometry);
-  const auto prior = priorAt(given);
+  const auto prior = priorAt(given, lastStep_s());
   stereo::PoseRefinerOptions options;
   options.first_scale = kLossScale;
   options.rounds = 1;

@@ -5,10 +5,16 @@
 #include <headway/core/stereo_camera.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <deque>
 #include <vector>
 
 namespace headway::detect {
+
+/// A time in tenths of a second, to the millisecond: the jitter of frame times has no effect.
+[[nodiscard]] inline double tenthsOf(double seconds) {
+  return std::round(1000.0 * seconds) / 100.0;
+}
 
 /// A static point and its observation in the newest frame.
 struct StaticObservation {
@@ -28,7 +34,7 @@ class CameraPath {
   int advance(Time time, const Pose& T_odom_cam);
 
   /// Refines the newest pose by static points: small errors of the given pose, its prior (4 mm, 0.2
-  /// degrees), would make distant points seem to move.
+  /// degrees in 0.1 s), would make distant points seem to move.
   ///
   /// A joint Cauchy loss rejects moving points while they are the minority.
   /// @return  ratio of the points that agree with the refined pose; 1 without points
@@ -43,6 +49,10 @@ class CameraPath {
   [[nodiscard]] Time timeOf(int frame) const { return frames_[frame - first_].time; }
   [[nodiscard]] const Pose& T_cam_world(int frame) const {
     return frames_[frame - first_].T_cam_world;
+  }
+  /// Time from the frame before to the newest one; 0 if that is the only one [s].
+  [[nodiscard]] double lastStep_s() const {
+    return frames_.size() < 2 ? 0.0 : frames_.back().time - frames_[frames_.size() - 2].time;
   }
   /// The first frame kept that is not older than `time`; the newest one if all are.
   [[nodiscard]] int firstSince(Time time) const;

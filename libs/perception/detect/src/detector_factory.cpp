@@ -6,9 +6,12 @@
 namespace headway::detect {
 
 void DetectParams::describe(Params& params) {
-  params.section("detect").user().add("every_nth_frame", every_nth_frame, 1, 1000, "frames",
-                                      "Period of the image detectors; greater is faster, and "
-                                      "tracks coast in between");
+  auto section = params.section("detect").user();
+  section.add("period_s", period_s, 0.0, 100.0, "s",
+              "Period of the image detectors; greater is faster, and tracks coast in between; 0: "
+              "every frame");
+  section.renamed("every_nth_frame", "period_s",
+                  [](double frames) { return frames == 1.0 ? 0.0 : secondsOfFrames(frames); });
   disparity.describe(params.section("disparity"));
   stereo_motion.describe(params.section("stereo_motion"));
   network.describe(params.section("dnn"));

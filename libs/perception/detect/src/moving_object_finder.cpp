@@ -372,7 +372,7 @@ std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrac
   params.noise_scale = frame.noise_scale;
   // A segment cut out by its flow needs flow in a second frame: the first one selected it.
   const bool chosen = segment.segment.cut_by_flow;
-  if (chosen && static_cast<int>(segment.across.size()) < params.min_flows) return std::nullopt;
+  if (chosen && !areEnough(segment.across, params)) return std::nullopt;
   const auto motion =
       segmentMotion(segment.segment, SegmentFollower::outlineMotion(segment), segment.across,
                     frame.points, frame.disparity, frame.path, camera_, frame.up, params);

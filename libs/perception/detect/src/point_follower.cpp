@@ -260,10 +260,10 @@ void PointFollower::replenish(const StereoFrame& frame, const stereo::DisparityI
   }
 }
 
-void NoiseScale::update(const std::vector<PointTrack>& points) {
+void NoiseScale::update(const std::vector<PointTrack>& points, double seconds) {
   constexpr std::size_t kMinPoints = 30;
-  constexpr double kMedianOfChi = 0.93;    // of a chi-square of 9 degrees of freedom, over its mean
-  constexpr double kNewFrameWeight = 0.2;  // weight of a frame
+  constexpr double kMedianOfChi = 0.93;  // of a chi-square of 9 degrees of freedom, over its mean
+  constexpr double kNewWeight = 0.2;     // of a new value after 0.1 s
   std::vector<double> fits;
   for (const auto& point : points) {
     if (!point.motion || point.group >= 0 || point.motion->observations < kMinFitted) continue;
@@ -271,7 +271,7 @@ void NoiseScale::update(const std::vector<PointTrack>& points) {
   }
   if (fits.size() < kMinPoints) return;
   const double now = std::clamp(std::sqrt(median(fits) / kMedianOfChi), 0.4, 3.0);
-  value_ += kNewFrameWeight * (now - value_);
+  value_ += (1.0 - std::pow(1.0 - kNewWeight, tenthsOf(seconds))) * (now - value_);
 }
 
 }  // namespace headway::detect

@@ -112,7 +112,8 @@ class PointFollower {
 /// the covariances of detections by a tracker's innovations.
 class NoiseScale {
  public:
-  void update(const std::vector<PointTrack>& points);
+  /// @param seconds  since the frame before
+  void update(const std::vector<PointTrack>& points, double seconds);
   /// True errors over those assumed [-].
   [[nodiscard]] double value() const { return value_; }
 

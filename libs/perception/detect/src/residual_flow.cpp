@@ -124,11 +124,12 @@ constexpr int kMatchedBlock = 9;  // side of a matched block [cells]
 constexpr int kOverlap = 6;       // rows around a block; even, because OpenCV filters pairs of rows
 constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
 constexpr int kSpeckleRange = 2;  // between neighbours in a region
-constexpr double kMinSigma = 0.15;     // [px]
-constexpr double kResidualTail = 1.0;  // residual at which a cell has half its weight [px]
-constexpr int kStride = 3;             // of the cells that estimate the common flow
-constexpr double kFastWalk_mps = 2.0;  // across the line of sight, of a walker
-constexpr int kMaxCoarse = 4;          // reduction of the images for near walkers
+constexpr double kMinSigma = 0.15;        // [px]
+constexpr double kResidualTail = 1.0;     // residual at which a cell has half its weight [px]
+constexpr int kStride = 3;                // of the cells that estimate the common flow
+constexpr double kMinFlowTime_s = 0.075;  // in less, a walk is within the noise
+constexpr double kFastWalk_mps = 2.0;     // across the line of sight, of a walker
+constexpr int kMaxCoarse = 4;             // reduction of the images for near walkers
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 // Matches some rows with the same result as matching the whole images.
@@ -305,12 +306,16 @@ void replaceNear(const ResidualFlow& coarse, int factor, const cv::Mat& disparit
 ResidualFlow ResidualFlowMeter::measure(const cv::Mat& image,
                                         const stereo::DisparityImage& disparity,
                                         const CameraPath& path) {
-  cv::Mat previous = before_;
-  before_ = image;
-  if (previous.empty() || path.newest() == path.oldest()) return {};
   const int newest = path.newest();
-  const double seconds = path.timeOf(newest) - path.timeOf(newest - 1);
-  const Pose T_before_now = path.T_cam_world(newest - 1) * path.T_cam_world(newest).inverse();
+  images_.push_back({newest, image});
+  while (images_.front().frame < path.oldest()) images_.pop_front();
+  const auto ageOf = [&](const Image& one) { return path.timeOf(newest) - path.timeOf(one.frame); };
+  while (images_.size() > 2 && ageOf(images_[1]) >= kMinFlowTime_s) images_.pop_front();
+  const int before = images_.front().frame;
+  const double seconds = ageOf(images_.front());
+  if (seconds < kMinFlowTime_s) return {};
+  cv::Mat previous = images_.front().image;
+  const Pose T_before_now = path.T_cam_world(before) * path.T_cam_world(newest).inverse();
   ResidualFlow flow = flowOf(previous, image, disparity, T_before_now, camera_);
   flow.seconds = seconds;
   cv::Mat now = image;

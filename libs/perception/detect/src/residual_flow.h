@@ -5,6 +5,7 @@
 #include <headway/core/stereo_frame.h>
 #include <headway/stereo/disparity.h>
 
+#include <deque>
 #include <opencv2/core/mat.hpp>
 
 #include "camera_path.h"
@@ -32,17 +33,22 @@ class ResidualFlowMeter {
  public:
   explicit ResidualFlowMeter(const StereoCamera& camera) : camera_(camera) {}
 
-  /// Measures from the frame handed in before to this one, the newest of the path.
+  /// Measures from a frame handed in before to this one, the newest of the path: from the newest
+  /// that is old enough for a walk to show, the one before at 10 Hz.
   ///
   /// @param image  left, on the disparity grid, 8-bit; shared, must not be changed afterwards
-  /// @return       empty for the first frame
+  /// @return       empty for the first frames
   [[nodiscard]] ResidualFlow measure(const cv::Mat& image, const stereo::DisparityImage& disparity,
                                      const CameraPath& path);
-  void clear() { before_ = cv::Mat(); }
+  void clear() { images_.clear(); }
 
  private:
+  struct Image {
+    int frame;      ///< of the path
+    cv::Mat image;  ///< left, on the disparity grid
+  };
   StereoCamera camera_;
-  cv::Mat before_;  ///< left image of the frame before, on the disparity grid
+  std::deque<Image> images_;  ///< from the one that is measured from on
 };
 
 }  // namespace headway::detect

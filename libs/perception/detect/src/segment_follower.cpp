@@ -23,9 +23,15 @@ constexpr double kEdge = 0.5;           // error of a segment's centre [px]
 constexpr double kEdgeRatio = 0.03;     // and ratio to its width
 constexpr double kSegmentDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
-constexpr int kMaxMissed = 3;                   // frames
-constexpr std::size_t kMaxFlows = 5;            // kept of a segment
+constexpr double kMaxMissed_s = 0.35;           // three frames at 10 Hz
+constexpr double kFlowTime_s = 0.55;            // of the flows kept of a segment, five at 10 Hz
 constexpr double kMinTravel = 0.3;              // within the window [m]
+
+double secondsOf(const std::deque<LateralSpeed>& flows) {
+  double seconds = 0.0;
+  for (const auto& flow : flows) seconds += flow.seconds;
+  return seconds;
+}
 
 ObservationNoise noiseOf(const UprightSegment& segment) {
   return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kSegmentDisparitySigma};
@@ -204,7 +210,8 @@ void SegmentFollower::convert(const stereo::FrameContext& context) {
 void SegmentFollower::follow(std::vector<UprightSegment> segments, const CameraPath& path,
                              const Eigen::Vector3d& up) {
   const auto ended = [&](const SegmentTrack& track) {
-    return track.last_frame < path.oldest() || path.newest() - track.last_frame > kMaxMissed;
+    return track.last_frame < path.oldest() ||
+           path.timeOf(path.newest()) - path.timeOf(track.last_frame) > kMaxMissed_s;
   };
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), ended), tracks_.end());
   std::vector<CandidatePair> candidates;
@@ -239,7 +246,7 @@ void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
                      std::find_if_not(observations.begin(), observations.end(), old));
   if (!segment.hidden) observations.push_back({path.newest(), segment.uvd});
   if (segment.across) track.across.push_back(*segment.across);
-  if (track.across.size() > kMaxFlows) track.across.pop_front();
+  while (track.across.size() > 2 && secondsOf(track.across) > kFlowTime_s) track.across.pop_front();
   track.last_frame = path.newest();
   track.last_place = placeOf(segment, path, camera_);
   track.track.motion = fitMotion(observations, path, camera_, noiseOf(segment), 2.0);
@@ -262,6 +269,11 @@ bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up
   return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;
 }
 
+bool areEnough(const std::deque<LateralSpeed>& flows, const SegmentMotionParams& params) {
+  return static_cast<int>(flows.size()) >= params.min_flows &&
+         secondsOf(flows) >= params.min_flow_time_s;
+}
+
 std::optional<SegmentMotion> segmentMotion(
     const UprightSegment& segment, const std::optional<PointMotion>& outline,
     const std::deque<LateralSpeed>& across, const std::vector<PointTrack>& points,
@@ -271,12 +283,10 @@ std::optional<SegmentMotion> segmentMotion(
   Parts all;
   addPoints(segment, points, disparity, path, camera, axes, params, all);
   if (outline) all.add(partOf(*outline, axes, 1.0), kMinSpan);
-  const bool flows = static_cast<int>(across.size()) >= params.min_flows;
+  const bool flows = areEnough(across, params);
   if (flows) {
     const Eigen::Vector3d right = path.T_cam_world(path.newest()).linear().row(0);
-    double seconds = 0.0;
-    for (const auto& flow : across) seconds += flow.seconds;
-    all.add(partOf(across, axes, right, params.speed_prior), seconds);
+    all.add(partOf(across, axes, right, params.speed_prior), secondsOf(across));
   }
   if (static_cast<int>(all.parts.size()) < params.min_parts && !flows) return std::nullopt;
 

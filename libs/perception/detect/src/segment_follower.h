@@ -78,13 +78,18 @@ struct SegmentMotion {
 struct SegmentMotionParams {
   int min_observations = kMinFitted;
   int min_parts = 3;
-  int min_flows = 2;           ///< a single one may be a mismatch
-  double noise_scale = 1.0;    ///< true errors of observations over those assumed [-]
-  double speed_prior = 3.0;    ///< standard deviation of a segment's speed [m/s]
-  double common_px = 0.3;      ///< drift of the camera's direction over the observations [px]
-  double common_ratio = 0.01;  ///< errors of calibration and motion, of the camera's speed [-]
+  int min_flows = 2;              ///< a single one may be a mismatch
+  double min_flow_time_s = 0.15;  ///< that they cover together: two at 10 Hz [s]
+  double noise_scale = 1.0;       ///< true errors of observations over those assumed [-]
+  double speed_prior = 3.0;       ///< standard deviation of a segment's speed [m/s]
+  double common_px = 0.3;         ///< drift of the camera's direction over the observations [px]
+  double common_ratio = 0.01;     ///< errors of calibration and motion, of the camera's speed [-]
   double common_disparity_px = 0.2;  ///< drift of a segment's disparity over them [px]
 };
+
+/// Whether flows are enough to be part of a segment's motion.
+[[nodiscard]] bool areEnough(const std::deque<LateralSpeed>& flows,
+                             const SegmentMotionParams& params);
 
 /// Pools the velocities of the parts of a segment: the points followed on it, its outline and flow.
 ///

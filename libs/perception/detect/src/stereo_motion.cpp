@@ -167,10 +167,9 @@ class StereoMotion::Implementation {
     MotionDetections result;
     result.detections = found_;
     result.tested = tested_;
-    const int now = path_.newest();
-    if (now > path_.oldest()) {
+    if (const double seconds = path_.lastStep_s(); seconds > 0.0) {
+      const int now = path_.newest();
       const Pose step = path_.T_cam_world(now) * path_.T_cam_world(now - 1).inverse();
-      const double seconds = path_.timeOf(now) - path_.timeOf(now - 1);
       result.camera_velocity = step.translation() / seconds;
       result.camera_turn_rate = logSo3(step.linear()) / seconds;
     }
@@ -197,7 +196,7 @@ class StereoMotion::Implementation {
     }
     const double agreeing = path_.refine(static_points);
     follower_.fitMotions(path_);
-    noise_scale_.update(follower_.points());
+    noise_scale_.update(follower_.points(), path_.lastStep_s());
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
           (ground_ ? ground_->up : stereo::mountedUp(*camera_));
     dropMismatches();

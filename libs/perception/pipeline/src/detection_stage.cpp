@@ -62,7 +62,7 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
       recorded_timeout_s_(params.recorded_timeout_s),
       use_recorded_(usesRecordedBoxes(params.detector)),
       automatic_(wouldUseModel(params)),
-      every_nth_frame_(params.detect.every_nth_frame) {
+      period_s_(params.detect.period_s) {
   params.validate();
   const auto names = imageDetectors(params);
   has_network_ = std::count(names.begin(), names.end(), kNetworkDetector) > 0;
@@ -99,8 +99,18 @@ void DetectionStage::addRecorded(const RecordedFrame& frame, ObjectDetections& b
 }
 
 void DetectionStage::restart() {
+  last_run_.reset();
+  last_frame_.reset();
   if (last_recorded_) last_recorded_ = -std::numeric_limits<double>::infinity();
   if (stereo_motion_) stereo_motion_.emplace(camera_, stereo_motion_params_);
+}
+
+bool DetectionStage::isDue(Time time) {
+  const double half_interval = last_frame_ ? 0.5 * (time - *last_frame_) : 0.0;
+  last_frame_ = time;
+  if (last_run_ && time + half_interval < *last_run_ + period_s_) return false;
+  last_run_ = time;
+  return true;
 }
 
 ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
@@ -110,9 +120,9 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   ObjectDetections boxes;
   boxes.context = context;
   if (use_recorded_) addRecorded(frame, boxes);
-  const bool has_turn = frames_++ % every_nth_frame_ == 0;
+  const bool is_due = isDue(frame.time);
   const bool has_detectors = stereo_motion_ || (!automatic_ && !detectors_.empty());
-  boxes.detectors_run = has_turn && frame.stereo && has_detectors;
+  boxes.detectors_run = is_due && frame.stereo && has_detectors;
   if (boxes.detectors_run) {
     const bool with_images = !automatic_ || stereo_motion_;
     boxes.classified = has_network_ && with_images;

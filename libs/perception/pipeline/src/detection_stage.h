@@ -20,7 +20,7 @@ namespace headway::pipeline {
 struct ObjectDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
   std::vector<Detections> sources;              ///< by descending quality of their information
-  bool detectors_run = false;                   ///< on this frame, one in `every_nth_frame`
+  bool detectors_run = false;                   ///< on this frame, once in `period_s`
   bool classified = false;                      ///< by a network, in this frame
   bool recorded_missing = false;                ///< for longer than `recorded_timeout_s`
   bool lifting = false;                         ///< a box without depth has to be lifted
@@ -73,9 +73,9 @@ class DetectionStage {
                                              const std::vector<ExpectedObject>& expected,
                                              const detect::MotionDetections& previous);
 
-  /// Changes DetectParams::every_nth_frame and DetectionParams::recorded_timeout_s.
-  void change(int every_nth_frame, double recorded_timeout_s) {
-    every_nth_frame_ = every_nth_frame;
+  /// Changes DetectParams::period_s and DetectionParams::recorded_timeout_s.
+  void change(double period_s, double recorded_timeout_s) {
+    period_s_ = period_s;
     recorded_timeout_s_ = recorded_timeout_s;
   }
 
@@ -83,6 +83,8 @@ class DetectionStage {
   void restart();
 
  private:
+  /// Whether image detectors are due in a frame: the one nearest to the end of the period.
+  [[nodiscard]] bool isDue(Time time);
   void addRecorded(const RecordedFrame& frame, ObjectDetections& boxes);
 
   std::shared_ptr<const StereoCamera> camera_;
@@ -92,10 +94,11 @@ class DetectionStage {
   bool use_recorded_ = false;
   bool automatic_ = false;  ///< image detectors run only without recorded boxes
   bool has_network_ = false;
-  int every_nth_frame_ = 1;
+  double period_s_ = 0.0;         ///< of image detectors [s]
+  std::optional<Time> last_run_;  ///< of them
+  std::optional<Time> last_frame_;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
-  int frames_ = 0;
   WorkerThread matcher_;  ///< for stereo matching while SLAM runs
 };
 

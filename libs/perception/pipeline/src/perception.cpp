@@ -240,7 +240,7 @@ class Perception::Implementation {
   void applyChange() {
     const std::lock_guard lock(change_mutex);
     if (!change) return;
-    detection.change(change->detect_every_nth_frame, change->recorded_timeout_s);
+    detection.change(change->detect_period_s, change->recorded_timeout_s);
     max_box_range_m_ = change->max_box_range_m;
     mapping.setPeriod(change->grid_period_s);
     change.reset();
@@ -438,7 +438,7 @@ void Perception::setCallbacks(PerceptionCallbacks callbacks) {
 }
 
 void Perception::change(const RuntimeParams& params) {
-  ASSERTMSG_(params.detect_every_nth_frame >= 1 && params.grid_period_s >= 0.0 &&
+  ASSERTMSG_(params.detect_period_s >= 0.0 && params.grid_period_s >= 0.0 &&
                  params.recorded_timeout_s > 0.0 && params.max_box_range_m > 0.0,
              "parameters at run time are out of range");
   const std::lock_guard lock(implementation_->change_mutex);

@@ -19,7 +19,7 @@ constexpr const char* kNetwork = "dnn";
 
 /// Of detection in live operation with a network: a pass of YOLOX-nano takes 63 ms of one core, and
 /// two frames at 10 Hz have to take less than 200 ms.
-constexpr int kNetworkPeriod = 2;
+constexpr double kNetworkPeriod_s = 0.2;
 
 std::vector<std::string> split(const std::string& names) {
   std::vector<std::string> result;
@@ -117,7 +117,7 @@ PerceptionParams PerceptionParams::live(PerceptionParams params) {
   if (modelInUse(params.detection).empty()) return params;
   auto& detect = params.detection.detect;
   detect.network.tiles = false;
-  detect.every_nth_frame = std::max(detect.every_nth_frame, kNetworkPeriod);
+  detect.period_s = std::max(detect.period_s, kNetworkPeriod_s);
   return params;
 }
 

@@ -17,7 +17,7 @@ namespace headway::detect {
 
 /// Parameters of every detector.
 struct DetectParams {
-  int every_nth_frame = 1;  ///< period of detection; tracks coast between
+  double period_s = 0.0;  ///< of detection; tracks coast between; 0: every frame [s]
   stereo::DisparityParams disparity;
   StereoMotionParams stereo_motion;
   NetworkParams network;

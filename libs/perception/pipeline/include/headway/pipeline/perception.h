@@ -36,7 +36,7 @@ struct PerceptionCallbacks {
 
 /// Parameters that may change at run time, between two frames. All others are fixed.
 struct RuntimeParams {
-  int detect_every_nth_frame = 1;   ///< detect.every_nth_frame, >= 1
+  double detect_period_s = 0.0;     ///< detect.period_s, >= 0 [s]
   double grid_period_s = 0.3;       ///< grid.period_s, >= 0; 0 pauses the grid [s]
   double recorded_timeout_s = 2.0;  ///< detect.recorded_timeout_s, > 0 [s]
   /// Distance beyond which boxes are not tracked, but counted as "load_shed", > 0 [m].
