@@ -164,6 +164,21 @@ TEST(ResidualFlowTest, OfNearWalkersExceedsTheSearchRangeOfTheGrid) {
   EXPECT_NEAR(median(flows), 2.0 * (kNow - kBefore), 2.0);
 }
 
+TEST(ResidualFlowTest, IsMeasuredOverTheSameTimeAtAHigherRate) {
+  const NearObject before(250, 20.0F), between(253, 20.0F), now(256, 20.0F);
+  CameraPath path(now.camera, 0.5);
+  ResidualFlowMeter meter(now.camera);
+  path.advance(0.0, Pose::Identity());
+  EXPECT_TRUE(meter.measure(before.image, before.disparity, path).empty());
+  path.advance(1.0 / 30.0, Pose::Identity());
+  EXPECT_TRUE(meter.measure(between.image, between.disparity, path).empty());
+  path.advance(2.0 / 30.0, Pose::Identity());
+  const ResidualFlow flow = meter.measure(now.image, now.disparity, path);
+  ASSERT_FALSE(flow.empty());
+  EXPECT_NEAR(flow.seconds, 2.0 / 30.0, 1e-9);
+  EXPECT_NEAR(flow.columns.at<float>(180, 306), 2.0 * 6.0, 1.0);
+}
+
 TEST(SegmentsByResidualFlowTest, CutsOutAWalkerCloseToAWall) {
   const Look look({kWall, kWalker});
   const Eigen::Vector3d foot = look.street.placeInCamera(kWalker, 1);

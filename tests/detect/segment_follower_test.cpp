@@ -81,6 +81,25 @@ TEST(SegmentFollowerTest, StereosErrorsOfDistanceDoNotBreakATrack) {
   }
 }
 
+TEST(SegmentFollowerTest, ASegmentIsMissedForTheSameTimeAtEveryRate) {
+  for (const double rate_hz : {5.0, 10.0, 15.0, 30.0}) {
+    test::Drive drive;
+    SegmentFollower follower{drive.camera};
+    int frame = 0;
+    for (; frame < 4; ++frame) {
+      drive.path.advance(frame / rate_hz, Pose::Identity());
+      follower.follow({walkerIn(frame, 0.0, drive.camera)}, drive.path, kUp);
+    }
+    for (; !follower.tracks().empty() && frame < 100; ++frame) {
+      drive.path.advance(frame / rate_hz, Pose::Identity());
+      follower.follow({}, drive.path, kUp);
+    }
+    const double missed_s = (frame - 4) / rate_hz;
+    EXPECT_GT(missed_s, 0.3) << rate_hz << " Hz";
+    EXPECT_LE(missed_s, 0.35 + 1.0 / rate_hz) << rate_hz << " Hz";
+  }
+}
+
 TEST(SegmentFollowerTest, ASegmentThatIsNotObservedAgainIsRemoved) {
   Followed walker(1.4, -1);
   for (int frame = kFrames; frame < kFrames + 5; ++frame) {

@@ -115,6 +115,20 @@ TEST(DetectionStageTest, EvaluatesAFrameInEachPeriodOnly) {
   EXPECT_EQ(evaluated, (std::vector<bool>{true, false, false, true, false}));
 }
 
+TEST(DetectionStageTest, APeriodIsTheSameTimeAtAHigherRate) {
+  const PaintedStreet street({});
+  auto params = paramsFor("hog");
+  params.detect.period_s = 0.1;
+  DetectionStage stage(street.camera(), params);
+  std::vector<bool> evaluated;
+  for (int i = 0; i < 7; ++i) {
+    auto frame = frameOf(street, i);
+    frame.time = i / 30.0;
+    evaluated.push_back(detectAll(stage, frame).fused.has_value());
+  }
+  EXPECT_EQ(evaluated, (std::vector<bool>{true, false, false, true, false, false, true}));
+}
+
 TEST(DetectionStageTest, AutoPrefersRecordedBoxes) {
   const PaintedStreet street({kMoving, kParked});
   DetectionStage stage(street.camera(), paramsFor("auto"));

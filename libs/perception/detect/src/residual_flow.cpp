@@ -124,12 +124,12 @@ constexpr int kMatchedBlock = 9;  // side of a matched block [cells]
 constexpr int kOverlap = 6;       // rows around a block; even, because OpenCV filters pairs of rows
 constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
 constexpr int kSpeckleRange = 2;  // between neighbours in a region
-constexpr double kMinSigma = 0.15;        // [px]
-constexpr double kResidualTail = 1.0;     // residual at which a cell has half its weight [px]
-constexpr int kStride = 3;                // of the cells that estimate the common flow
-constexpr double kMinFlowTime_s = 0.075;  // in less, a walk is within the noise
-constexpr double kFastWalk_mps = 2.0;     // across the line of sight, of a walker
-constexpr int kMaxCoarse = 4;             // reduction of the images for near walkers
+constexpr double kMinSigma = 0.15;       // [px]
+constexpr double kResidualTail = 1.0;    // residual at which a cell has half its weight [px]
+constexpr int kStride = 3;               // of the cells that estimate the common flow
+constexpr double kMinFlowTime_s = 0.06;  // in less, a walk is within the noise
+constexpr double kFastWalk_mps = 2.0;    // across the line of sight, of a walker
+constexpr int kMaxCoarse = 4;            // reduction of the images for near walkers
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 // Matches some rows with the same result as matching the whole images.
