@@ -42,7 +42,8 @@ bool isRotation(const Eigen::Matrix3d& matrix, double tolerance) {
 }
 
 bool isRigid(const Pose& pose, double max_distance_m) {
-  return pose.translation().cwiseAbs().maxCoeff() <= max_distance_m && isRotation(pose.linear());
+  return pose.translation().allFinite() &&
+         pose.translation().cwiseAbs().maxCoeff() <= max_distance_m && isRotation(pose.linear());
 }
 
 double yawOf(const Pose& pose) { return std::atan2(pose.linear()(1, 0), pose.linear()(0, 0)); }
