@@ -9,6 +9,13 @@
 namespace headway {
 namespace {
 
+TEST(EndsWithTest, LooksAtTheLastCharactersOnly) {
+  EXPECT_TRUE(endsWith("cam_left", "_left"));
+  EXPECT_TRUE(endsWith("_left", "_left"));
+  EXPECT_FALSE(endsWith("left", "_left"));
+  EXPECT_FALSE(endsWith("_left_0", "_left"));
+}
+
 TEST(NaturalOrderTest, NumbersCountByTheirValue) {
   const std::vector<std::string> ordered = {"",
                                             "2_0.mcap",

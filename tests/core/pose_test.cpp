@@ -133,6 +133,22 @@ TEST(RobotFromOpticalTest, TurnsTheViewingDirectionForward) {
   EXPECT_EQ(T_robot_optical * Vector3d::UnitY(), -Vector3d::UnitZ());  // down: minus up
 }
 
+TEST(PoseTest, RigidMotionsAreToldFromOtherMatrices) {
+  const Pose pose = somePose(0.9);
+  EXPECT_TRUE(isRotation(pose.linear()));
+  EXPECT_FALSE(isRotation(2.0 * pose.linear()));
+  EXPECT_FALSE(isRotation(-pose.linear()));  // a reflection
+  EXPECT_FALSE(isRotation(Eigen::Matrix3d::Constant(std::nan(""))));
+  const double farthest = pose.translation().cwiseAbs().maxCoeff();
+  EXPECT_TRUE(isRigid(pose, farthest));
+  EXPECT_FALSE(isRigid(pose, 0.9 * farthest));
+  for (int axis = 0; axis < 3; ++axis) {
+    Pose broken = pose;
+    broken.translation()[axis] = std::nan("");
+    EXPECT_FALSE(isRigid(broken, 1e9)) << axis;
+  }
+}
+
 TEST(MrptPoseTest, RoundTripsThroughBothPoseTypes) {
   for (const double seed : {-2.0, 0.0, 0.9}) {
     const Pose pose = somePose(seed);
