@@ -84,6 +84,49 @@ TEST(CommandLineTest, WrongUseIsAUsageErrorAndWrongValueAnInputError) {
   EXPECT_THROW((void)parsed({"-i", "x", "-c", "/nowhere.ini"}), InputError);
 }
 
+TEST(CommandLineTest, ErrorsNameTheOption) {
+  const auto errorOf = [](std::vector<const char*> arguments) -> std::string {
+    std::string input, output, label;
+    double factor = 0.0;
+    bool overwrite = false;
+    std::optional<std::size_t> first;
+    CommandLine line("program", "Summary");
+    line.positional(input, "IN", "input");
+    line.option(output, 'o', "output", "FILE", "output", true);
+    line.option(label, 0, "label", "NAME", "label", true);
+    line.option(factor, 0, "factor", "X", "factor");
+    line.option(first, 0, "first", "N", "first");
+    line.flag(overwrite, 'w', "overwrite", "overwrite");
+    try {
+      return parse(line, std::move(arguments)) ? "read" : "done";
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+  };
+  const std::string hint = " (--help shows the options)";
+  EXPECT_EQ(errorOf({}), "IN, -o/--output, --label: are required" + hint);
+  EXPECT_EQ(errorOf({"a", "-o", "b"}), "--label: is required" + hint);
+  EXPECT_EQ(errorOf({"a", "-o", "b", "--label"}),
+            "Argument: (--label): Missing a value for this argument!" + hint);
+  EXPECT_EQ(errorOf({"--label", "c", "a", "-o"}),
+            "Argument: -o (--output): Missing a value for this argument!" + hint);
+  EXPECT_EQ(errorOf({"-o", "b", "-o", "c"}),
+            "Argument: -o (--output): Argument already set!" + hint);
+  EXPECT_EQ(errorOf({"-w", "-w"}), "Argument: -w (--overwrite): Argument already set!" + hint);
+  for (const char* bad : {"x", "1x", "0x10", "1,5", "nan", "", "1 "}) {
+    EXPECT_EQ(errorOf({"--factor", bad}),
+              "Argument: (--factor): Couldn't read argument value from string '" +
+                  std::string(bad) + "'" + hint);
+  }
+  EXPECT_EQ(errorOf({"--first", "-1"}), "--first must not be negative");
+  for (const char* unknown : {"--bogus", "-Z"}) {
+    EXPECT_EQ(errorOf({unknown}),
+              std::string("Argument: ") + unknown + ": Couldn't find match for argument" + hint);
+  }
+  EXPECT_EQ(errorOf({"a", "stray"}), "Argument: stray: Couldn't find match for argument" + hint);
+  EXPECT_EQ(errorOf({"a", "-wo", "b", "--label=c", "--factor", "-1.5e2"}), "read");
+}
+
 TEST(CommandLineTest, DumpConfigNeedsNothingElse) {
   std::string input;
   double x = 1.0;

@@ -6,42 +6,21 @@
 #include <headway/core/worker_thread.h>
 #include <headway/program/command_line.h>
 #include <headway/program/files.h>
-#include <mrpt/3rdparty/tclap/CmdLine.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
-#include <map>
-#include <ostream>
 #include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace headway::program {
 namespace {
 
-/// One option or argument as --help shows it.
-struct OptionText {
-  char short_name = 0;  ///< 0: only the long name
-  std::string long_name;
-  std::string type;  ///< name of the value; empty: a flag
-  std::string meaning;
-  bool required = false;
-};
+/// Until catchInterrupts(); files that are not complete have temporary names.
+extern "C" void endAtOnce(int signal) { _exit(kSignalled + signal); }
 
-/// What --help shows of a program, in the layout of GNU's programs, which help2man and shells read.
-struct HelpText {
-  std::string program;  ///< with its sub-command
-  std::string summary;
-  std::vector<std::pair<std::string, std::string>> arguments;  ///< name, meaning
-  std::vector<OptionText> options;                             ///< in the order of declaration
-  std::vector<OptionText> common_options;                      ///< after the others
-};
-
+// The layout of --help, which is that of GNU's programs: help2man and shells read it.
 constexpr std::size_t kWidth = 79;
 constexpr std::size_t kMeaningColumn = 29;
 
@@ -63,30 +42,7 @@ void printWords(std::ostream& out, const std::string& text, std::size_t column,
   out << "\n";
 }
 
-std::string valueOf(const OptionText& option) {
-  return option.type.empty() ? "" : " " + option.type;
-}
-
-std::string nameOf(const OptionText& option) {
-  const std::string short_name =
-      option.short_name == 0 ? "    " : std::string("-") + option.short_name + ", ";
-  return short_name + "--" + option.long_name + valueOf(option);
-}
-
-std::string usageOf(const HelpText& help) {
-  std::string usage = "Usage: " + help.program;
-  for (const auto& [name, meaning] : help.arguments) usage += " " + name;
-  for (const auto& option : help.options) {
-    if (!option.required) continue;
-    usage +=
-        option.short_name == 0 ? " --" + option.long_name : std::string(" -") + option.short_name;
-    usage += valueOf(option);
-  }
-  return usage + " [OPTION]...";
-}
-
-/// One row of a list: the name in the left column, its meaning in the right one, in lines of at
-/// most 79 characters.
+/// One row of a list: the name in the left column, its meaning in the right one.
 void printRow(std::ostream& out, const std::string& name, const std::string& meaning) {
   out << "  " << name;
   std::size_t column = name.size() + 2;
@@ -98,39 +54,92 @@ void printRow(std::ostream& out, const std::string& name, const std::string& mea
   printWords(out, meaning, kMeaningColumn, kMeaningColumn);
 }
 
-std::ostream& operator<<(std::ostream& out, const HelpText& help) {
-  const std::string usage = usageOf(help);
-  printWords(out, usage, 0, 7);
-  out << "\n";
-  printWords(out, help.summary, 0, 0);
-  if (!help.arguments.empty()) out << "\nArguments:\n";
-  for (const auto& [name, meaning] : help.arguments) printRow(out, name, meaning);
-  out << "\nOptions:\n";
-  for (const auto* options : {&help.options, &help.common_options}) {
-    for (const auto& option : *options) printRow(out, nameOf(option), option.meaning);
-  }
-  return out;
+/// "-o" and "--output"; empty if the option has none.
+std::string shortNameOf(const CLI::Option& option) {
+  return option.get_snames().empty() ? "" : "-" + option.get_snames().front();
+}
+std::string longNameOf(const CLI::Option& option) { return "--" + option.get_lnames().front(); }
+
+/// The value's type after a name.
+std::string withType(const std::string& name, const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return name + (type.empty() ? "" : " " + type);
 }
 
-/// Until catchInterrupts(); files that are not complete have temporary names.
-extern "C" void endAtOnce(int signal) { _exit(kSignalled + signal); }
+void printHelp(std::ostream& out, const CLI::App& app) {
+  std::string usage = "Usage: " + app.get_name();
+  const auto arguments = app.get_options([](const CLI::Option* o) { return o->get_positional(); });
+  const auto options = app.get_options([](const CLI::Option* o) { return !o->get_positional(); });
+  for (const auto* argument : arguments) usage += " " + argument->get_type_name();
+  for (const auto* option : options) {
+    if (!option->get_required()) continue;
+    const std::string short_name = shortNameOf(*option);
+    usage += " " + withType(short_name.empty() ? longNameOf(*option) : short_name, *option);
+  }
+  printWords(out, usage + " [OPTION]...", 0, 7);
+  out << "\n";
+  printWords(out, app.get_description(), 0, 0);
+  if (!arguments.empty()) out << "\nArguments:\n";
+  for (const auto* argument : arguments) {
+    printRow(out, argument->get_type_name(), argument->get_description());
+  }
+  out << "\nOptions:\n";
+  for (const auto* option : options) {
+    const std::string short_name = shortNameOf(*option);
+    printRow(
+        out,
+        (short_name.empty() ? "    " : short_name + ", ") + withType(longNameOf(*option), *option),
+        option->get_description());
+  }
+  out << std::flush;
+}
+
+void printSubcommands(const std::string& program, const std::string& summary,
+                      const std::vector<Subcommand>& known) {
+  std::cout << "Usage: " << program << " SUBCOMMAND [OPTION]...\n\n"
+            << summary << "\n\nSub-commands:\n";
+  for (const auto& subcommand : known) printRow(std::cout, subcommand.name, subcommand.about);
+  std::cout << "\n'" << program << " SUBCOMMAND --help' shows the options of one." << std::endl;
+}
 
 /// A program's name without its sub-command.
 std::string withoutSubcommand(const std::string& program) {
   return program.substr(0, program.find(' '));
 }
 
-void printVersion(const std::string& program) { std::cout << program << " " << kVersion << "\n"; }
+std::string versionOf(const std::string& program) { return program + " " + kVersion; }
 
-void printSubcommands(const std::string& program, const std::string& summary,
-                      const std::vector<Subcommand>& known) {
-  std::cout << "Usage: " << program << " SUBCOMMAND [OPTION]...\n\n"
-            << summary << "\n\nSub-commands:\n";
-  for (const auto& known_one : known) printRow(std::cout, known_one.name, known_one.about);
-  std::cout << "\n'" << program << " SUBCOMMAND --help' shows the options of one." << std::endl;
+UsageError usageError(const std::string& text) {
+  return UsageError(text + " (--help shows the options)");
 }
 
-std::string shortFlag(char name) { return name == 0 ? "" : std::string(1, name); }
+/// An error in one option: "Argument: -o (--output): text".
+UsageError optionError(const CLI::Option& option, const std::string& text) {
+  const std::string short_name = shortNameOf(option);
+  return usageError("Argument: " + (short_name.empty() ? "" : short_name + " ") + "(" +
+                    longNameOf(option) + "): " + text);
+}
+
+/// The required options and arguments that are not given, as an error names them.
+UsageError missingError(const CLI::App& app) {
+  std::string names;
+  int count = 0;
+  for (const auto* option : app.get_options()) {
+    if (!option->get_required() || option->count() > 0) continue;
+    const std::string short_name = option->get_positional() ? "" : shortNameOf(*option);
+    names += (count++ == 0 ? "" : ", ") + (short_name.empty() ? "" : short_name + "/") +
+             (option->get_positional() ? option->get_type_name() : longNameOf(*option));
+  }
+  return usageError(names + (count == 1 ? ": is required" : ": are required"));
+}
+
+template <typename T>
+T numberOf(const CLI::Option& option, const std::string& text) {
+  std::istringstream in(text);
+  T value{};
+  if (in >> value && in.peek() == std::istringstream::traits_type::eof()) return value;
+  throw optionError(option, "Couldn't read argument value from string '" + text + "'");
+}
 
 mrpt::system::VerbosityLevel verbosityFrom(const std::string& name) {
   static const std::map<std::string, mrpt::system::VerbosityLevel> levels = {
@@ -143,171 +152,168 @@ mrpt::system::VerbosityLevel verbosityFrom(const std::string& name) {
   throw UsageError("--verbosity: '" + name + "' is none of DEBUG, INFO, WARN, ERROR");
 }
 
-/// Prints help and version in the layout of GNU's programs, and stores a parse error for the
-/// caller; TCLAP's own output would print a page and continue.
-class Output : public TCLAP::StdOutput {
- public:
-  void usage(TCLAP::CmdLineInterface& /*line*/) override { std::cout << help << std::flush; }
-  void version(TCLAP::CmdLineInterface& /*line*/) override {
-    printVersion(withoutSubcommand(help.program));
-  }
-  void failure(TCLAP::CmdLineInterface& /*line*/, TCLAP::ArgException& error) override {
-    const std::string id = error.argId();
-    const bool names_argument =
-        id.find_first_not_of(' ') != std::string::npos && id.find("undefined") == std::string::npos;
-    failure_text = (names_argument ? id + ": " : "") + error.error();
-  }
-  std::optional<std::string> failure_text;
-  HelpText help;
-};
-
 }  // namespace
 
 struct CommandLine::Arguments {
-  Arguments(const std::string& name, const std::string& summary) : line(summary, ' ', kVersion) {
-    output.help.program = name;
-    output.help.summary = summary;
-    delete line.getOutput();  // TCLAP does not free the output that it replaces
-    line.setOutput(&output);
+  Arguments(const std::string& name, const std::string& summary) : app(summary, name) {
+    app.set_help_flag();  // parse() adds it after the program's options
+    app.allow_extras();
+  }
+
+  using Read = std::function<void(const CLI::Option& option, const std::string& value)>;
+
+  static std::string namesOf(char short_name, const std::string& name) {
+    return (short_name == 0 ? "" : std::string("-") + short_name + ",") + "--" + name;
+  }
+
+  /// Declares an option with a value, or an argument; `read` is called with each value.
+  CLI::Option& value(const std::string& names, const std::string& type, const std::string& meaning,
+                     Read read) {
+    const CLI::callback_t keep = [](const CLI::results_t&) { return true; };
+    auto* option = app.add_option(names, keep, meaning)
+                       ->type_name(type)
+                       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    readers.emplace_back(option, std::move(read));
+    return *option;
   }
 
   template <typename T>
-  void value(T& target, char short_name, const std::string& name, const std::string& type,
-             const std::string& meaning, bool required) {
-    auto arg = std::make_shared<TCLAP::ValueArg<T>>(shortFlag(short_name), name, meaning, required,
-                                                    target, type, line);
-    declare(arg, {short_name, name, type, meaning, required},
-            [arg, &target] { target = arg->getValue(); });
+  void number(T& target, char short_name, const std::string& name, const std::string& type,
+              const std::string& meaning) {
+    value(namesOf(short_name, name), type, meaning,
+          [&target](const CLI::Option& option, const std::string& text) {
+            target = numberOf<T>(option, text);
+          });
   }
 
-  void repeatable(std::vector<std::string>& target, char short_name, const std::string& name,
-                  const std::string& type, const std::string& meaning) {
-    auto arg = std::make_shared<TCLAP::MultiArg<std::string>>(shortFlag(short_name), name, meaning,
-                                                              false, type, line);
-    declare(arg, {short_name, name, type, meaning, false},
-            [arg, &target] { target = arg->getValue(); });
+  /// Stores the values in the targets. @throws UsageError
+  void read() const {
+    for (const auto& [option, read_value] : readers) {
+      const bool is_repeatable = repeatable.count(option) > 0;
+      if (!is_repeatable && option->count() > 1)
+        throw optionError(*option, "Argument already set!");
+      for (const auto& text : option->results()) read_value(*option, text);
+    }
   }
 
-  std::shared_ptr<TCLAP::SwitchArg> flag(bool& target, char short_name, const std::string& name,
-                                         const std::string& meaning) {
-    auto arg =
-        std::make_shared<TCLAP::SwitchArg>(shortFlag(short_name), name, meaning, line, false);
-    declare(arg, {short_name, name, "", meaning, false}, [&target] { target = true; });
-    return arg;
-  }
-
-  /// Keeps an option and lists it in --help.
-  template <typename Arg>
-  void declare(std::shared_ptr<Arg> arg, OptionText text, std::function<void()> apply) {
-    keep(std::move(arg), std::move(apply));
-    output.help.options.push_back(std::move(text));
-  }
-
-  template <typename Arg>
-  void keep(std::shared_ptr<Arg> arg, std::function<void()> apply) {
-    owned.push_back(arg);
-    applied.push_back([arg, apply = std::move(apply)] {
-      if (arg->isSet()) apply();
-    });
-  }
-
-  [[nodiscard]] bool askedForConfig() const {
-    return dump_config_switch != nullptr && dump_config_switch->isSet();
-  }
-
-  std::vector<std::shared_ptr<TCLAP::Arg>> owned;  // outlives `line`, which refers to them
-  std::vector<std::function<void()>> applied;
-  Output output;
-  TCLAP::CmdLine line;
+  CLI::App app;
+  std::vector<std::pair<CLI::Option*, Read>> readers;
+  std::set<const CLI::Option*> repeatable;
   std::vector<std::string> configs;
   std::vector<std::string> assignments;
-  std::shared_ptr<TCLAP::SwitchArg> dump_config_switch;
   bool dump_config = false;
   bool expert = false;
   std::string verbosity = "INFO";
 };
 
 CommandLine::CommandLine(const std::string& program, const std::string& summary)
-    : arguments_(std::make_unique<Arguments>(program, summary)) {
-  flag(quiet_, 'q', "quiet", "Print errors only");
-  option(arguments_->verbosity, 'v', "verbosity", "LEVEL",
-         "Least important messages to print: DEBUG, INFO, WARN or ERROR");
-  auto& help = arguments_->output.help;
-  help.common_options.swap(help.options);
-  help.common_options.push_back({'h', "help", "", "Print this help and end", false});
-  help.common_options.push_back({0, "version", "", "Print the version and end", false});
-}
+    : arguments_(std::make_unique<Arguments>(program, summary)) {}
 
 CommandLine::~CommandLine() = default;
 
 void CommandLine::positional(std::string& target, const std::string& name,
                              const std::string& meaning) {
-  auto arg = std::make_shared<TCLAP::UnlabeledValueArg<std::string>>(name, meaning, true, "", name,
-                                                                     arguments_->line);
-  arguments_->keep(arg, [arg, &target] { target = arg->getValue(); });
-  arguments_->output.help.arguments.emplace_back(name, meaning);
+  arguments_
+      ->value(name, name, meaning,
+              [&target](const CLI::Option&, const std::string& text) { target = text; })
+      .required();
 }
 
 void CommandLine::flag(bool& target, char short_name, const std::string& name,
                        const std::string& meaning) {
-  arguments_->flag(target, short_name, name, meaning);
+  auto* option = arguments_->app.add_flag(Arguments::namesOf(short_name, name), meaning);
+  option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->disable_flag_override();
+  arguments_->readers.emplace_back(
+      option, [&target](const CLI::Option&, const std::string&) { target = true; });
 }
 
 void CommandLine::option(std::string& target, char short_name, const std::string& name,
                          const std::string& type, const std::string& meaning, bool required) {
-  arguments_->value(target, short_name, name, type, meaning, required);
+  arguments_
+      ->value(Arguments::namesOf(short_name, name), type, meaning,
+              [&target](const CLI::Option&, const std::string& text) { target = text; })
+      .required(required);
 }
 
 void CommandLine::option(double& target, char short_name, const std::string& name,
                          const std::string& type, const std::string& meaning) {
-  arguments_->value(target, short_name, name, type, meaning, false);
+  arguments_->number(target, short_name, name, type, meaning);
 }
 
 void CommandLine::option(int& target, char short_name, const std::string& name,
                          const std::string& type, const std::string& meaning) {
-  arguments_->value(target, short_name, name, type, meaning, false);
+  arguments_->number(target, short_name, name, type, meaning);
 }
 
 void CommandLine::option(std::optional<std::size_t>& target, char short_name,
                          const std::string& name, const std::string& type,
                          const std::string& meaning) {
-  auto arg = std::make_shared<TCLAP::ValueArg<long long>>(shortFlag(short_name), name, meaning,
-                                                          false, 0, type, arguments_->line);
-  arguments_->declare(arg, {short_name, name, type, meaning, false}, [arg, &target, name] {
-    if (arg->getValue() < 0) throw UsageError("--" + name + " must not be negative");
-    target = static_cast<std::size_t>(arg->getValue());
-  });
+  arguments_->value(Arguments::namesOf(short_name, name), type, meaning,
+                    [&target](const CLI::Option& option, const std::string& text) {
+                      const auto number = numberOf<long long>(option, text);
+                      if (number < 0)
+                        throw UsageError(longNameOf(option) + " must not be negative");
+                      target = static_cast<std::size_t>(number);
+                    });
 }
 
 void CommandLine::option(std::vector<std::string>& target, char short_name, const std::string& name,
                          const std::string& type, const std::string& meaning) {
-  arguments_->repeatable(target, short_name, name, type, meaning);
+  arguments_->repeatable.insert(&arguments_->value(
+      Arguments::namesOf(short_name, name), type, meaning,
+      [&target](const CLI::Option&, const std::string& text) { target.push_back(text); }));
 }
 
 void CommandLine::parameters(Params& params) {
   params_ = &params;
-  arguments_->repeatable(arguments_->configs, 'c', "config", "FILE.ini",
-                         "Configuration file; repeatable, later files win");
-  arguments_->repeatable(arguments_->assignments, 0, "set", "section.key=value",
-                         "One parameter; wins over the files; repeatable");
-  arguments_->dump_config_switch =
-      arguments_->flag(arguments_->dump_config, 0, "dump-config",
-                       "Print the user parameters with value, unit and meaning, and end");
+  option(arguments_->configs, 'c', "config", "FILE.ini",
+         "Configuration file; repeatable, later files win");
+  option(arguments_->assignments, 0, "set", "section.key=value",
+         "One parameter; wins over the files; repeatable");
+  flag(arguments_->dump_config, 0, "dump-config",
+       "Print the user parameters with value, unit and meaning, and end");
   flag(arguments_->expert, 0, "expert", "With --dump-config: print the expert parameters, too");
 }
 
-bool CommandLine::parse(int argc, const char* const* argv) {
-  std::vector<const char*> words(argv, argv + argc);
-  if (!arguments_->line.parse(argc, words.data())) {
-    const auto& failure = arguments_->output.failure_text;
-    if (!failure) return false;
-    // --dump-config works without the required options.
-    const bool is_missing = failure->find("required arguments missing") != std::string::npos;
-    if (!(is_missing && arguments_->askedForConfig())) {
-      throw UsageError(*failure + " (--help shows the options)");
-    }
+/// Reads the words into the targets; false after --help and --version.
+bool CommandLine::readWords(int argc, const char* const* argv) {
+  CLI::App& app = arguments_->app;
+  bool is_complete = true;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    printHelp(std::cout, app);
+    return false;
+  } catch (const CLI::CallForVersion& version) {
+    std::cout << version.what() << std::endl;
+    return false;
+  } catch (const CLI::RequiredError&) {
+    is_complete = false;
+  } catch (const CLI::ArgumentMismatch& error) {
+    // Only the last word can lack its value.
+    const auto* last = app.get_option_no_throw(argv[argc - 1]);
+    if (last == nullptr) throw usageError(error.what());
+    throw optionError(*last, "Missing a value for this argument!");
+  } catch (const CLI::ParseError& error) {
+    throw usageError(error.what());
   }
-  for (const auto& apply : arguments_->applied) apply();
+  const auto unknown = app.remaining();
+  if (!unknown.empty()) {
+    throw usageError("Argument: " + unknown.front() + ": Couldn't find match for argument");
+  }
+  arguments_->read();
+  if (!is_complete && !arguments_->dump_config) throw missingError(app);
+  return true;
+}
+
+bool CommandLine::parse(int argc, const char* const* argv) {
+  const std::string program = withoutSubcommand(arguments_->app.get_name());
+  flag(quiet_, 'q', "quiet", "Print errors only");
+  option(arguments_->verbosity, 'v', "verbosity", "LEVEL",
+         "Least important messages to print: DEBUG, INFO, WARN or ERROR");
+  arguments_->app.set_help_flag("-h,--help", "Print this help and end");
+  arguments_->app.set_version_flag("--version", versionOf(program), "Print the version and end");
+  if (!readWords(argc, argv)) return false;
   const auto level = verbosityFrom(arguments_->verbosity);
   verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level;
   if (params_ != nullptr) {
@@ -315,8 +321,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
     if (after_files_) after_files_();
     for (const auto& assignment : arguments_->assignments) params_->set(assignment);
     for (const auto& text : params_->warnings()) {
-      std::cerr << withoutSubcommand(arguments_->output.help.program) << ": " << printable(text)
-                << std::endl;
+      std::cerr << program << ": " << printable(text) << std::endl;
     }
   }
   if (arguments_->dump_config) {
@@ -350,7 +355,7 @@ int runSubcommand(int argc, const char** argv, const std::string& summary,
   const std::string program = std::filesystem::path(argv[0]).filename().string();
   const std::string given = argc > 1 ? argv[1] : "";
   if (given == "--version") {
-    printVersion(program);
+    std::cout << versionOf(program) << std::endl;
     return kDone;
   }
   if (given == "--help" || given == "-h") {

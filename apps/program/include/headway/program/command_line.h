@@ -66,6 +66,8 @@ class CommandLine {
   [[nodiscard]] mrpt::system::VerbosityLevel verbosity() const { return verbosity_; }
 
  private:
+  bool readWords(int argc, const char* const* argv);
+
   struct Arguments;
   std::unique_ptr<Arguments> arguments_;
   Params* params_ = nullptr;
