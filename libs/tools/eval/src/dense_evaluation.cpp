@@ -28,6 +28,7 @@
 #include "evaluation_inputs.h"
 
 namespace headway::eval {
+namespace {
 
 /// What a dense map is compared with.
 struct DenseTruth {
@@ -42,21 +43,6 @@ struct DenseClaim {
   stereo::RigCapability rig;  ///< with what was configured
   stereo::DisparityParams disparity;
 };
-
-/// Reads calibration.yaml and replay.json of a replay's folder.
-///
-/// @throws InputError if one is missing or damaged
-[[nodiscard]] DenseClaim denseClaim(const std::filesystem::path& replay);
-
-/// The true static surface and the true objects of a simulated rawlog.
-///
-/// @param folder  NAME.truth with depth/, masks/, trajectory.tum and objects.csv
-/// @param rawlog  of that truth, to match its pairs as the replay did; empty: not matched
-/// @throws InputError if a file is missing or its size differs from the camera's
-[[nodiscard]] DenseTruth denseTruth(const std::filesystem::path& folder, const std::string& rawlog,
-                                    const DenseClaim& claim);
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -130,8 +116,9 @@ std::vector<ObjectBox> objectBoxes(const std::string& path) {
   return boxes;
 }
 
-}  // namespace
-
+/// Reads calibration.yaml and replay.json of a replay's folder.
+///
+/// @throws InputError if one is missing or damaged
 DenseClaim denseClaim(const fs::path& replay) {
   DenseClaim claim;
   claim.camera = io::readCalibration((replay / "calibration.yaml").string());
@@ -159,6 +146,11 @@ DenseClaim denseClaim(const fs::path& replay) {
   return claim;
 }
 
+/// The true static surface and the true objects of a simulated rawlog.
+///
+/// @param folder  NAME.truth with depth/, masks/, trajectory.tum and objects.csv
+/// @param rawlog  of that truth, to match its pairs as the replay did; empty: not matched
+/// @throws InputError if a file is missing or its size differs from the camera's
 DenseTruth denseTruth(const fs::path& folder, const std::string& rawlog, const DenseClaim& claim) {
   DenseTruth truth;
   truth.objects = objectBoxes((folder / "objects.csv").string());
@@ -179,8 +171,6 @@ DenseTruth denseTruth(const fs::path& folder, const std::string& rawlog, const D
   truth.patches = surface.patches();
   return truth;
 }
-
-namespace {
 
 using Json = nlohmann::ordered_json;
 

@@ -27,6 +27,7 @@
 #include "evaluation_inputs.h"
 
 namespace headway::eval {
+namespace {
 
 /// True state of the cells of a grid.
 struct GridTruth {
@@ -38,23 +39,6 @@ struct GridTruth {
   std::vector<std::uint8_t> drops;     ///< 1: the floor is lower than the ground by min_m or
                                        ///< more, or the cell lies in an outline of drops.csv
 };
-
-/// Computes the true occupancy from the truth folder of a simulated rawlog: true depth images,
-/// masks of moving objects and true poses. A cell is occupied if a static surface at an obstacle's
-/// height is visible in it, free if only ground is, unknown if a surface within 1 cm of the minimum
-/// height is and no higher one. An obstacle counts as visible where both cameras see it, with 49
-/// pixels in one frame of the left one: a quarter of a block that is matched.
-///
-/// @param folder  NAME.truth with depth/, masks/, trajectory.tum, objects.csv and, if there are
-///                drops, drops.csv
-/// @param camera  camera of the depth images, mounted on the robot
-/// @param grid    defines the cells; its states are not used
-/// @throws InputError if a file is missing or its size differs from the camera's
-[[nodiscard]] GridTruth gridTruth(const std::filesystem::path& folder, const StereoCamera& camera,
-                                  const GridCells& grid, const ObstacleHeights& heights,
-                                  const ObstacleReach& reach);
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -170,8 +154,17 @@ void markDrops(const fs::path& path, const GridCells& grid, std::vector<std::uin
   }
 }
 
-}  // namespace
-
+/// Computes the true occupancy from the truth folder of a simulated rawlog: true depth images,
+/// masks of moving objects and true poses. A cell is occupied if a static surface at an obstacle's
+/// height is visible in it, free if only ground is, unknown if a surface within 1 cm of the minimum
+/// height is and no higher one. An obstacle counts as visible where both cameras see it, with 49
+/// pixels in one frame of the left one: a quarter of a block that is matched.
+///
+/// @param folder  NAME.truth with depth/, masks/, trajectory.tum, objects.csv and, if there are
+///                drops, drops.csv
+/// @param camera  camera of the depth images, mounted on the robot
+/// @param grid    defines the cells; its states are not used
+/// @throws InputError if a file is missing or its size differs from the camera's
 GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const GridCells& grid,
                     const ObstacleHeights& heights, const ObstacleReach& reach) {
   const std::vector<std::uint8_t> none(grid.states.size(), 0);
@@ -202,8 +195,6 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const Gr
   }
   return truth;
 }
-
-namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
 

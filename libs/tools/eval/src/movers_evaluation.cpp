@@ -20,22 +20,6 @@
 #include "evaluation_inputs.h"
 
 namespace headway::eval {
-
-/// Reads labels, true poses and the output folder of a replay.
-///
-/// The evaluated frames are those of the replay. True poses are a rawlog's `truth_pose`, or one row
-/// per frame: KITTI (camera) or TUM (robot).
-///
-/// @throws InputError naming the file that cannot be read or does not match the others
-[[nodiscard]] MovingObjectInput readMoversInput(const std::string& labels, const std::string& poses,
-                                                const std::string& replay);
-
-/// The input's rows replaced by those of `tracks_smoothed.csv`.
-///
-/// @throws InputError if the file cannot be read
-[[nodiscard]] MovingObjectInput withSmoothedRows(const MovingObjectInput& input,
-                                                 const std::string& replay);
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,8 +110,12 @@ void readTruePoses(const std::string& path, const fs::path& replay, const Pose& 
   if (poseFormatOf(path) == PoseFormat::kKitti) setTimes(replay, input);
 }
 
-}  // namespace
-
+/// Reads labels, true poses and the output folder of a replay.
+///
+/// The evaluated frames are those of the replay. True poses are a rawlog's `truth_pose`, or one row
+/// per frame: KITTI (camera) or TUM (robot).
+///
+/// @throws InputError naming the file that cannot be read or does not match the others
 MovingObjectInput readMoversInput(const std::string& labels, const std::string& poses,
                                   const std::string& replay) {
   MovingObjectInput input;
@@ -142,12 +130,17 @@ MovingObjectInput readMoversInput(const std::string& labels, const std::string& 
   return input;
 }
 
+/// The input's rows replaced by those of `tracks_smoothed.csv`.
+///
+/// @throws InputError if the file cannot be read
 MovingObjectInput withSmoothedRows(const MovingObjectInput& input, const std::string& replay) {
   auto smoothed = input;
   smoothed.rows.clear();
   readRows(replay, "tracks_smoothed.csv", smoothed);
   return smoothed;
 }
+
+}  // namespace
 
 MoverEvaluation evaluateMovers(const std::string& labels, const std::string& poses,
                                const std::string& replay) {

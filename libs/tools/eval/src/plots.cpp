@@ -16,6 +16,7 @@
 #include <vector>
 
 namespace headway::eval {
+namespace {
 
 /// A colour of cells and its meaning.
 struct Shade {
@@ -23,19 +24,12 @@ struct Shade {
   cv::Vec3b bgr;
 };
 
+constexpr int kLegendRow_px = 26;
+
 /// Cells seen from above, enlarged, with legend and scale bar.
 ///
 /// @param cells   8-bit BGR, one pixel a cell, y upwards
 /// @param side_m  of a cell [m]
-[[nodiscard]] cv::Mat cellPicture(const cv::Mat& cells, double side_m,
-                                  const std::vector<Shade>& shades);
-
-namespace {
-
-constexpr int kLegendRow_px = 26;
-
-}  // namespace
-
 cv::Mat cellPicture(const cv::Mat& cells, double side_m, const std::vector<Shade>& shades) {
   const int side = std::clamp(1600 / std::max(1, cells.cols), 1, 8);
   cv::Mat enlarged;
@@ -62,8 +56,6 @@ cv::Mat cellPicture(const cv::Mat& cells, double side_m, const std::vector<Shade
               cv::Scalar(30, 30, 30), 1, cv::LINE_AA);
   return picture;
 }
-
-namespace {
 
 constexpr double kCell_m = 0.2;
 

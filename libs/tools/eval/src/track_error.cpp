@@ -13,9 +13,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 
 namespace headway::eval {
+namespace {
 
 struct TrueBox {
   int track = 0;         ///< index of its object within the sequence
@@ -44,10 +44,6 @@ struct ClassSequence {
   int true_tracks = 0;
   int estimated_tracks = 0;
 };
-
-/// Selects the boxes of one class and its neighbouring class, with the candidate pairs.
-[[nodiscard]] ClassSequence classSequence(const LabelledSequence& sequence,
-                                          ObjectClass object_class, const TrackErrorParams& params);
 
 /// Matches of one frame.
 struct FrameMatches {
@@ -90,10 +86,6 @@ struct ClearCounts {
   void add(const ClearCounts& other);
 };
 
-/// Counts over sequences with the tracks that reach the score threshold.
-[[nodiscard]] ClearCounts clearCounts(const std::vector<ClassSequence>& sequences,
-                                      double min_overlap, double score_threshold);
-
 /// CLEAR MOT over the score thresholds of a class.
 struct ClearCurve {
   ClearCounts best;  ///< at the threshold of maximum MOTA
@@ -102,13 +94,6 @@ struct ClearCurve {
   double samota = 0.0;
   double amota = 0.0;
 };
-
-/// Evaluates without a threshold and at the thresholds that reach the recalls 1/40, 2/40 .. 1.
-///
-/// @return nullopt if there is no truth
-/// @see    Weng et al. 2020, Sec. IV, eqs. 5-8
-[[nodiscard]] std::optional<ClearCurve> clearCurve(const std::vector<ClassSequence>& sequences,
-                                                   double min_overlap);
 
 /// Counts of HOTA at the overlaps 0.05, 0.10 .. 0.95.
 struct HotaCounts {
@@ -128,21 +113,6 @@ struct Hota {
   double deta = 0.0;
   double assa = 0.0;
 };
-
-/// Counts over one sequence with the tracks that reach the score threshold.
-///
-/// Ignored truth, estimates that CLEAR MOT matches with it, and unmatched estimates that are not
-/// false positives are excluded.
-///
-/// @see Luiten et al. 2021, Sec. 5 and Sec. 6 (matching: maximum number, then association, then
-///      overlap)
-[[nodiscard]] HotaCounts hotaCounts(const ClassSequence& sequence, double min_overlap,
-                                    double score_threshold);
-
-/// @see Luiten et al. 2021, eqs. 14-16 and 27
-[[nodiscard]] Hota hotaOf(const HotaCounts& counts);
-
-namespace {
 
 /// Class whose confusion with the given one is not an error.
 std::optional<ObjectClass> neighbourOf(ObjectClass object_class) {
@@ -237,8 +207,7 @@ void addMatch(FrameMatches& matches, const CandidatePair& pair) {
   matches.truth_of[pair.column] = static_cast<int>(pair.row);
 }
 
-}  // namespace
-
+/// Selects the boxes of one class and its neighbouring class, with the candidate pairs.
 ClassSequence classSequence(const LabelledSequence& sequence, ObjectClass object_class,
                             const TrackErrorParams& params) {
   const auto tracks = indexedTracks(sequence, object_class);
@@ -304,8 +273,6 @@ FrameMatches FrameMatcher::match(const ClassFrame& frame) {
   }
   return matches;
 }
-
-namespace {
 
 constexpr int kRecalls = 40;
 
@@ -408,8 +375,6 @@ double scaledMota(const ClearCounts& counts, double recall) {
   return std::clamp(1.0 - avoidable / (recall * truth), 0.0, 1.0);
 }
 
-}  // namespace
-
 double ClearCounts::mota() const {
   return 1.0 - static_cast<double>(errors()) / static_cast<double>(truth());
 }
@@ -424,6 +389,7 @@ void ClearCounts::add(const ClearCounts& other) {
   true_scores.insert(true_scores.end(), other.true_scores.begin(), other.true_scores.end());
 }
 
+/// Counts over sequences with the tracks that reach the score threshold.
 ClearCounts clearCounts(const std::vector<ClassSequence>& sequences, double min_overlap,
                         double score_threshold) {
   ClearCounts counts;
@@ -440,6 +406,10 @@ ClearCounts clearCounts(const std::vector<ClassSequence>& sequences, double min_
   return counts;
 }
 
+/// Evaluates without a threshold and at the thresholds that reach the recalls 1/40, 2/40 .. 1.
+///
+/// @return nullopt if there is no truth
+/// @see    Weng et al. 2020, Sec. IV, eqs. 5-8
 std::optional<ClearCurve> clearCurve(const std::vector<ClassSequence>& sequences,
                                      double min_overlap) {
   ClearCurve curve;
@@ -465,8 +435,6 @@ std::optional<ClearCurve> clearCurve(const std::vector<ClassSequence>& sequences
   }
   return curve;
 }
-
-namespace {
 
 constexpr double kOverlapWeight = 1e-4;  // breaks ties between equal associations only
 
@@ -586,8 +554,6 @@ class Association {
   Eigen::VectorXd estimate_frames_;
 };
 
-}  // namespace
-
 void HotaCounts::add(const HotaCounts& other) {
   for (std::size_t k = 0; k < kLevels; ++k) {
     levels[k].tp += other.levels[k].tp;
@@ -597,6 +563,13 @@ void HotaCounts::add(const HotaCounts& other) {
   }
 }
 
+/// Counts over one sequence with the tracks that reach the score threshold.
+///
+/// Ignored truth, estimates that CLEAR MOT matches with it, and unmatched estimates that are not
+/// false positives are excluded.
+///
+/// @see Luiten et al. 2021, Sec. 5 and Sec. 6 (matching: maximum number, then association, then
+///      overlap)
 HotaCounts hotaCounts(const ClassSequence& sequence, double min_overlap, double score_threshold) {
   FrameMatcher matcher(sequence, min_overlap, score_threshold);
   std::vector<CountedFrame> frames;
@@ -611,6 +584,7 @@ HotaCounts hotaCounts(const ClassSequence& sequence, double min_overlap, double 
   return counts;
 }
 
+/// @see Luiten et al. 2021, eqs. 14-16 and 27
 Hota hotaOf(const HotaCounts& counts) {
   Hota result;
   for (const auto& level : counts.levels) {
@@ -624,8 +598,6 @@ Hota hotaOf(const HotaCounts& counts) {
   }
   return result;
 }
-
-namespace {
 
 /// Correct and wrong positions, whatever the score.
 struct PositionCounts {
@@ -691,15 +663,10 @@ struct ClassCounts {
   }
 };
 
-std::optional<double> ratio(std::size_t part, std::size_t whole) {
-  if (whole == 0) return std::nullopt;
-  return static_cast<double>(part) / static_cast<double>(whole);
-}
-
 void fillPositions(const PositionCounts& counts, TrackError& result) {
-  result.precision = ratio(counts.tp, counts.tp + counts.fp);
-  result.recall = ratio(counts.tp, counts.tp + counts.fn);
-  result.f1 = ratio(2 * counts.tp, 2 * counts.tp + counts.fp + counts.fn);
+  result.precision = ratioOf(counts.tp, counts.tp + counts.fp);
+  result.recall = ratioOf(counts.tp, counts.tp + counts.fn);
+  result.f1 = ratioOf(2 * counts.tp, 2 * counts.tp + counts.fp + counts.fn);
   if (counts.measured > 0) {
     result.rmse_m = std::sqrt(counts.squared_sum_m2 / static_cast<double>(counts.measured));
   }
@@ -781,70 +748,6 @@ TrackErrors trackErrors(const std::vector<LabelledSequence>& sequences,
   result.all.samota = meanOf(result.classes, &TrackError::samota);
   result.all.amota = meanOf(result.classes, &TrackError::amota);
   return result;
-}
-
-namespace {
-
-/// The sequence's truth with raw detections as estimates.
-LabelledSequence withRaw(const LabelledSequence& sequence, const std::string& path) {
-  LabelledSequence raw{sequence.name, readRaw(sequence.name, path)};
-  raw.frames.resize(std::max(raw.frames.size(), sequence.frames.size()));
-  for (std::size_t k = 0; k < sequence.frames.size(); ++k) {
-    raw.frames[k].truth = sequence.frames[k].truth;
-    raw.frames[k].dont_care = sequence.frames[k].dont_care;
-  }
-  return raw;
-}
-
-void readSequences(const TrackFiles& files, TrackEvaluation& evaluation) {
-  auto paired = pairedFiles(files.truth, files.estimate);
-  evaluation.truth_alone = std::move(paired.truth_alone);
-  for (const auto& [name, truth, estimate] : paired.pairs) {
-    requireSameFrame(truth, estimate);
-    LabelledSequence sequence{name, readLabels(truth)};
-    addEstimates(estimate, sequence.frames, evaluation.dropped);
-    if (!files.raw.empty()) evaluation.raw_sequences.push_back(withRaw(sequence, files.raw));
-    evaluation.sequences.push_back(std::move(sequence));
-  }
-}
-
-void requireBoxes(const TrackEvaluation& evaluation, const std::string& path) {
-  const bool is_2d = evaluation.params.metric == BoxMetric::k2d;
-  for (const auto& sequence : evaluation.sequences) {
-    for (const auto& frame : sequence.frames) {
-      for (const auto& box : frame.estimates) {
-        if (is_2d ? box.box2d.has_value() : box.box3d.has_value()) return;
-      }
-    }
-  }
-  throw InputError(path + ": contains no " + (is_2d ? "2d" : "3d") +
-                   " boxes; is it a tracking result, and is the metric correct?");
-}
-
-}  // namespace
-
-TrackEvaluation evaluateTracks(const TrackFiles& files, const TrackErrorParams& params) {
-  TrackEvaluation evaluation;
-  evaluation.params = params;
-  readSequences(files, evaluation);
-  requireBoxes(evaluation, files.estimate);
-  evaluation.tracks = trackErrors(evaluation.sequences, params);
-  if (evaluation.raw_sequences.empty()) return evaluation;
-  auto positions = params;
-  positions.positions_only = true;
-  evaluation.raw = trackErrors(evaluation.raw_sequences, positions);
-  return evaluation;
-}
-
-nlohmann::ordered_json toJson(const TrackEvaluation& evaluation) {
-  auto json = toJson(evaluation.tracks);
-  for (const auto& sequence : evaluation.sequences) {
-    json["sequences"][sequence.name] = toJson(trackErrors({sequence}, evaluation.params));
-  }
-  if (evaluation.raw) json["raw"] = toJson(*evaluation.raw);
-  json["sequences_without_estimate"] = evaluation.truth_alone;
-  json["rows_dropped"] = evaluation.dropped;
-  return json;
 }
 
 }  // namespace headway::eval

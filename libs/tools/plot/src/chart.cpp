@@ -38,16 +38,14 @@ std::string tickText(double value, double step) {
   return text.data();
 }
 
-}  // namespace headway::plot
-
 // Drawing primitives of a chart. The drawing is kOversampling times as large as the final picture:
 // positions are in pixels of the drawing; widths, radii and text scales in those of the picture.
 
-namespace headway::plot {
+namespace {
 
-inline constexpr int kOversampling = 2;
-inline constexpr Colour kInk{40, 40, 40};
-inline constexpr Colour kGrid{226, 226, 226};
+constexpr int kOversampling = 2;
+constexpr Colour kInk{40, 40, 40};
+constexpr Colour kGrid{226, 226, 226};
 
 /// A polyline drawn segment by segment; the dash pattern continues from one segment to the next.
 class Stroke {
@@ -67,23 +65,6 @@ class Stroke {
   double phase_ = 0.0;  ///< length drawn so far
 };
 
-void drawDisc(cv::Mat& image, const cv::Point2d& centre, double radius_px, Colour colour);
-void drawBar(cv::Mat& image, const cv::Point2d& corner, const cv::Point2d& opposite, Colour colour);
-void drawFrame(cv::Mat& image, const cv::Rect& box, Colour colour);
-
-/// @param anchor  at half the height of the text
-/// @param align   horizontal position of the anchor: 0 left end, 0.5 centre, 1 right end
-/// @param scale   of the font; capitals are 22 px high at 1
-void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor, double align,
-              double scale, Colour colour);
-/// Text rotated by 90 degrees counterclockwise, on white.
-void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d& centre,
-                     double scale, Colour colour);
-/// Width of the text in pixels of the drawing.
-[[nodiscard]] int textWidth(const std::string& text, double scale);
-
-namespace {
-
 constexpr int kShift = 4;  // fractional bits of OpenCV's coordinates
 
 cv::Point fixedPoint(const cv::Point2d& p) {
@@ -102,8 +83,6 @@ cv::Size sizeOf(const std::string& text, double scale, int* baseline) {
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale * kOversampling, kOversampling,
                          baseline);
 }
-
-}  // namespace
 
 void Stroke::draw(cv::Mat& image, const cv::Point2d& a, const cv::Point2d& b) {
   if (style_ == LineStyle::kSolid) {
@@ -148,6 +127,9 @@ void drawFrame(cv::Mat& image, const cv::Rect& box, Colour colour) {
   cv::rectangle(image, box, bgr(colour), kOversampling, cv::LINE_AA);
 }
 
+/// @param anchor  at half the height of the text
+/// @param align   horizontal position of the anchor: 0 left end, 0.5 centre, 1 right end
+/// @param scale   of the font; capitals are 22 px high at 1
 void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor, double align,
               double scale, Colour colour) {
   if (!(std::max(std::abs(anchor.x), std::abs(anchor.y)) < 1e6)) return;  // outside every image
@@ -159,6 +141,7 @@ void drawText(cv::Mat& image, const std::string& text, const cv::Point2d& anchor
               kOversampling, cv::LINE_AA);
 }
 
+/// Text rotated by 90 degrees counterclockwise, on white.
 void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d& centre,
                      double scale, Colour colour) {
   int baseline = 0;
@@ -172,12 +155,11 @@ void drawTextUpwards(cv::Mat& image, const std::string& text, const cv::Point2d&
   strip(inside - wanted.tl()).copyTo(image(inside));
 }
 
+/// Width of the text in pixels of the drawing.
 int textWidth(const std::string& text, double scale) {
   int baseline = 0;
   return sizeOf(text, scale, &baseline).width;
 }
-
-namespace {
 
 constexpr double kTextScale = 0.5;
 constexpr int kSampleLength = 34 * kOversampling;  // of the line before a name

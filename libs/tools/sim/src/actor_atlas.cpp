@@ -15,6 +15,7 @@
 #include "grain.h"
 
 namespace headway::sim {
+namespace {
 
 // Layout of one vehicle's cell in the atlas [px]: x of the side and the top picture runs from the
 // rear to the front of the vehicle.
@@ -25,11 +26,6 @@ inline const cv::Rect kVehicleTop{0, 128, 320, 128};
 inline const cv::Rect kVehicleFront{320, 0, 160, 128};
 inline const cv::Rect kVehicleRear{320, 128, 160, 128};
 inline const cv::Rect kVehicleDark{480, 0, 32, 256};
-
-/// Paints body, windows, lights, doors and wheels of one vehicle into its cell.
-void paintVehicle(cv::Mat cell, ActorKind kind, Random& random);
-
-namespace {
 
 cv::Scalar paintColour(ActorKind kind, Random& random) {
   static const std::vector<cv::Scalar> kCars = {{200, 200, 200}, {45, 45, 48},  {120, 120, 122},
@@ -193,8 +189,7 @@ void paintTop(cv::Mat top, ActorKind kind, const cv::Scalar& colour) {
   }
 }
 
-}  // namespace
-
+/// Paints body, windows, lights, doors and wheels of one vehicle into its cell.
 void paintVehicle(cv::Mat cell, ActorKind kind, Random& random) {
   const cv::Scalar colour = paintColour(kind, random);
   cv::Mat side = cell(kVehicleSide);
@@ -218,8 +213,6 @@ void paintVehicle(cv::Mat cell, ActorKind kind, Random& random) {
   paintRear(cell(kVehicleRear), colour, tall, random);
   cell(kVehicleDark).setTo(cv::Scalar::all(24));
 }
-
-namespace {
 
 // Four columns of vehicles, six rows (three of cars, one each of vans, trucks, buses); below them
 // sixteen columns of people, four rows.

@@ -20,11 +20,6 @@
 #include <vector>
 
 namespace headway::sim {
-
-/// KITTI's calib.txt: P0 ... P3 (pairs 0/1 and 2/3 are the same), R0_rect, and the robot frame in
-/// the place of the lidar's. @throws InputError if it cannot be written
-void writeKittiCalibration(const std::string& path, const StereoCamera& camera);
-
 namespace {
 
 /// The upper three rows, row by row.
@@ -36,8 +31,8 @@ void writeRows(std::ostream& out, const Pose& pose, const char* separator) {
   }
 }
 
-}  // namespace
-
+/// KITTI's calib.txt: P0 ... P3 (pairs 0/1 and 2/3 are the same), R0_rect, and the robot frame in
+/// the place of the lidar's. @throws InputError if it cannot be written
 void writeKittiCalibration(const std::string& path, const StereoCamera& camera) {
   std::ostringstream out;
   out << std::setprecision(12);
@@ -51,8 +46,6 @@ void writeKittiCalibration(const std::string& path, const StereoCamera& camera) 
   out << "\nTr_imu_to_velo: 1 0 0 0 0 1 0 0 0 0 1 0\n";
   writeFile(path, out.str());
 }
-
-namespace {
 
 io::ImageStorage storageOf(RecordingParams::Storage storage) {
   switch (storage) {
