@@ -4,6 +4,7 @@
 
 const kPredictedPoint = 7;  // numbers of each predicted point
 const kSameGapS = 0.6;      // a longer pause between two states of a track is a gap [s]
+const kSpeedS = 1;          // the robot's speed is its mean over this time, as in the pictures [s]
 
 const byId = (id) => document.getElementById(id);
 
@@ -124,6 +125,14 @@ function mixedState(a, b, ratio) {
           yaw: a.yaw + ratio * wrapped(b.yaw - a.yaw), speed: mixed(a.speed, b.speed, ratio)};
 }
 
+/** The robot's mean speed over the last second up to a frame [m/s]; 0 at the first one. */
+function speedAt(frames, at) {
+  const now = frames[at];
+  const before = frames[lastNotAbove(frames, (frame) => frame.time, now.time - kSpeedS + 1e-6)];
+  const way = [0, 1, 2].map((i) => now.pose[i] - before.pose[i]);
+  return now.time > before.time ? Math.hypot(...way) / (now.time - before.time) : 0;
+}
+
 /** The replay at a time [s since its first frame]: the pose, and the tracks of the last frame moved
  * on to the time. */
 function momentOf(replay, time) {
@@ -135,7 +144,7 @@ function momentOf(replay, time) {
   const tracks = [...frame.states.values()].map(
       (state) => mixedState(state, ratio ? next.states.get(state.number) : null, ratio));
   return {at, time, frame: frame.frame, pose: mixedPose(frame.pose, next.pose, ratio), tracks,
-          speed: gap > 0 ? Math.hypot(next.pose[0] - frame.pose[0], next.pose[1] - frame.pose[1]) / gap : 0};
+          speed: speedAt(replay.frames, at)};
 }
 
 /** Place of a track at a time, between two of its states; null in a gap. */

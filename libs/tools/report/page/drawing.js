@@ -39,6 +39,8 @@ class PageDrawing {
     const magnification = fromAbove ? pixels * this.views.topView(this.moment, width, height).zoom :
                                       this.views.camera.projectionMatrix.elements[5];
     for (const cloud of this.world.clouds) showPart(cloud, ratio, magnification, fromAbove);
+    this.views.camera.matrixWorldInverse.getInverse(this.views.camera.matrixWorld);
+    this.world.fadeFor(this.moment, this.views.camera);
     this.placeBackdrop(width, height);
     this.renderer.setScissorTest(false);
     this.renderer.clear();
@@ -116,8 +118,8 @@ class PageDrawing {
 
   showFigures(ratio) {
     const {moment, replay} = this;
-    byId('moment').textContent = `frame ${moment.frame} · ${moment.speed.toFixed(1)} m/s · ` +
-        `${moment.tracks.length} tracks`;
+    byId('moment').textContent = `frame ${moment.frame} · ${moment.speed.toFixed(1)} m/s over ${kSpeedS} s · ` +
+        `${moment.tracks.length} ${moment.tracks.length === 1 ? 'track' : 'tracks'}`;
     byId('time').textContent = clockText(this.time);
     if (document.activeElement !== byId('scrub') || this.playing) byId('scrub').value = this.time;
     const drawn = Math.round(ratio * this.world.pointCount);

@@ -38,8 +38,7 @@ class ReplayPage extends PageDrawing {
     this.makeLayers();
     this.readColours();
     this.listen();
-    this.readLink();
-    this.setView(this.views.name);
+    this.followLink();
     requestAnimationFrame((now) => this.tick(now));
   }
 
@@ -50,7 +49,6 @@ class ReplayPage extends PageDrawing {
       byId('world').hidden = true;
       this.say('This browser shows no WebGL, so the replay is drawn from above only. ' +
                'Enable hardware acceleration or open the page in another browser.');
-      this.views.name = 'top';
       for (const name of ['follow', 'orbit', 'camera']) this.viewButton(name).disabled = true;
       return null;
     }
@@ -112,7 +110,11 @@ class ReplayPage extends PageDrawing {
 
   setView(name) {
     if (!this.renderer && name !== 'top') return;
-    this.views.set(name, this.moment || momentOf(this.replay, this.time));
+    this.views.set(name, momentOf(this.replay, this.time));
+    this.showView();
+  }
+
+  showView() {
     for (const view of kViews) {
       this.viewButton(view).setAttribute('aria-pressed', String(view === this.views.name));
     }
@@ -154,21 +156,28 @@ class ReplayPage extends PageDrawing {
     this.redraw();
   }
 
-  /** Reads #t=12.3&track=7&view=top; `track` is an id. */
-  readLink() {
+  /** Shows at once what a link names: #t=12.3&track=7&view=top; `track` is an id. */
+  followLink() {
     const link = new URLSearchParams(location.hash.slice(1));
-    if (link.has('t')) this.setTime(Number(link.get('t')));
+    this.setTime(Number(link.get('t')));
     const number = this.replay.tracks.findIndex(({id}) => String(id) === link.get('track'));
     this.selected = number < 0 ? null : number;
     this.panel.select(this.selected);
-    if (kViews.includes(link.get('view'))) this.setView(link.get('view'));
-    this.redraw();
+    if (!this.renderer) this.setView('top');
+    else if (kViews.includes(link.get('view'))) this.setView(link.get('view'));
+    else this.startView();
+    this.draw(this.budget.ratio, this.budget.sharpness);
+  }
+
+  startView() {
+    this.views.start(innerWidth, innerHeight);
+    this.showView();
   }
 
   writeLink() {
     const parts = [`t=${this.time.toFixed(2)}`];
     if (this.selected !== null) parts.push(`track=${this.replay.tracks[this.selected].id}`);
-    if (this.views.name !== 'follow') parts.push(`view=${this.views.name}`);
+    if (!this.views.isStart) parts.push(`view=${this.views.name}`);
     history.replaceState(null, '', `#${parts.join('&')}`);
   }
 
@@ -184,7 +193,7 @@ class ReplayPage extends PageDrawing {
     byId('camera-image').addEventListener('click', () => this.changeView('camera'));
     for (const view of kViews) this.viewButton(view).addEventListener('click', () => this.changeView(view));
     window.addEventListener('resize', () => this.redraw());
-    window.addEventListener('hashchange', () => this.readLink());
+    window.addEventListener('hashchange', () => this.followLink());
     document.addEventListener('keydown', (event) => this.onKey(event));
     listenToGestures(byId('overlay'), {
       drag: (dx, dy) => this.moveView(() => this.views.drag(dx, dy, innerWidth, innerHeight)),

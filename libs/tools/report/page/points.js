@@ -5,6 +5,7 @@
 const kFrameMs = 1000 / 30;  // longest time between two pictures
 const kMeasured = 6;         // pictures between two decisions
 const kMinDrawn = 8000;      // points
+const kMaxSide = 0.04;       // of a point, to half the picture's height
 const kFullSharp = 40000, kHalfSharp = 12000;  // capacities from which pictures are sharper
 
 /** How many points are drawn and how sharp: less while pictures take longer than a thirtieth of a
@@ -42,14 +43,40 @@ class PointBudget {
   }
 }
 
+/** Of the points between the eye and the robot, only a sample is drawn, less the nearer they are to
+ * the eye and to the line of sight, so that a wall hides neither robot nor path; floor is drawn. */
+const kFading = `
+  float depth = mvPosition.z / robotInView.z;
+  if (depth < 1.0 && robotInView.z < 0.0 && isPerspective) {
+    vec4 middle = projectionMatrix * vec4(robotInView, 1.0);
+    vec2 off = (gl_Position.xy / gl_Position.w - middle.xy / middle.w) * vec2(aspect, 1.0);
+    float above = (modelMatrix * vec4(position, 1.0)).z - floorHeight;
+    float drawn = max(smoothstep(0.6, 1.0, length(off)) * smoothstep(0.3, 0.7, depth),
+                      max(smoothstep(0.9, 1.0, depth), 1.0 - smoothstep(0.1, 0.2, above / robotHeight)));
+    if (fract(dot(position, vec3(0.1031, 0.1173, 0.0973))) >= drawn) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  }
+  if (isPerspective) gl_PointSize = min(gl_PointSize, kMaxSide * scale);
+`;
+
+/** A material of points that fade before the robot: `uniforms` are shared by all clouds. */
+function fadingMaterial(size, uniforms) {
+  const material = new THREE.PointsMaterial({size, vertexColors: THREE.VertexColors});
+  material.onBeforeCompile = (shader) => {
+    Object.assign(shader.uniforms, uniforms);
+    shader.vertexShader = `uniform vec3 robotInView;\nuniform float aspect, floorHeight, robotHeight;\n` +
+        shader.vertexShader.replace('#include <logdepthbuf_vertex>',
+                                    `${kFading.replace('kMaxSide', kMaxSide)}#include <logdepthbuf_vertex>`);
+  };
+  return material;
+}
+
 /** A cloud of the replay for the scene. Its points are in random order: the first ones are a sample.
  */
-function makeCloud(cloud, size) {
+function makeCloud(cloud, size, uniforms) {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(cloud.positions, 3));
   geometry.setAttribute('color', new THREE.BufferAttribute(cloud.colours, 3, true));
-  const points = new THREE.Points(geometry,
-                                  new THREE.PointsMaterial({size, vertexColors: THREE.VertexColors}));
+  const points = new THREE.Points(geometry, fadingMaterial(size, uniforms));
   points.frustumCulled = false;
   points.position.set(...cloud.origin);
   points.scale.set(...cloud.step);

@@ -4,17 +4,19 @@
 
 const kUp = new THREE.Vector3(0, 0, 1);
 const kNear = 0.1, kFar = 2000;
+const kFieldOfView = 55, kUprightFieldOfView = 75;  // of a wide and of a high window [deg]
+const kOverview = 30;  // radius of a path that is shown whole at first; the robot's mark then has 20 pixels or more [m]
 
 /** The viewpoint: behind the robot, free, from above, or the robot's camera. */
 class Views {
   constructor(replay, world) {
     this.replay = replay;
     this.world = world;
-    this.perspective = new THREE.PerspectiveCamera(55, 1, kNear, kFar);
+    this.perspective = new THREE.PerspectiveCamera(kFieldOfView, 1, kNear, kFar);
     this.perspective.up.copy(kUp);
     this.orthographic = new THREE.OrthographicCamera(-1, 1, 1, -1, kNear, kFar);
-    this.name = 'follow';
     this.reset();
+    this.start(1, 1);
   }
 
   reset() {
@@ -24,9 +26,27 @@ class Views {
     this.top = {metres: 60 * scale, dx: 0, dy: 0};
   }
 
+  /** The view that the page begins with: the whole path from behind its start, or behind the robot
+   * if the path is so long that the robot would hardly be seen. */
+  start(width, height) {
+    const places = this.replay.frames.map(({pose: [x, y, z]}) => new THREE.Vector3(x, y, z));
+    const ball = new THREE.Box3().setFromPoints(places).getBoundingSphere(new THREE.Sphere());
+    const {scale} = this.world;
+    this.isStart = true;
+    this.name = ball.radius > kOverview * scale ? 'follow' : 'orbit';
+    const half = Math.atan(Math.min(1, width / height) * Math.tan(this.fieldOfView(width, height) * Math.PI / 360));
+    this.orbit = {turn: yawOf(this.replay.frames[0].pose) + Math.PI, elevation: 0.8, target: ball.center,
+                  distance: (ball.radius + 4 * scale) / Math.sin(half)};
+  }
+
+  fieldOfView(width, height) {
+    return width < height ? kUprightFieldOfView : kFieldOfView;
+  }
+
   set(name, moment) {
+    this.isStart = false;
     this.name = name === 'camera' && !this.replay.camera ? 'follow' : name;
-    if (this.name === 'orbit') this.orbit.target = new THREE.Vector3(...moment.pose);
+    if (this.name === 'orbit') this.orbit.target = new THREE.Vector3(...moment.pose.slice(0, 3));
   }
 
   get camera() {
@@ -54,7 +74,7 @@ class Views {
     const flat = distance * Math.cos(elevation);
     this.perspective.position.set(centre.x + flat * Math.cos(angle), centre.y + flat * Math.sin(angle),
                                   centre.z + distance * Math.sin(elevation));
-    this.perspective.fov = width < height ? 75 : 55;
+    this.perspective.fov = this.fieldOfView(width, height);
     this.perspective.aspect = width / height;
     this.perspective.lookAt(centre);
     this.perspective.updateProjectionMatrix();

@@ -68,6 +68,8 @@ class World {
     this.boxes = new Map();
     this.trails = new Map();
     this.clouds = [];
+    this.fading = {robotInView: {value: new THREE.Vector3()}, aspect: {value: 1}, floorHeight: {value: 0},
+                   robotHeight: {value: this.scale}};
     this.addMap(onLoad);
     this.addPath();
     this.addMoving();
@@ -86,7 +88,7 @@ class World {
     const dot = (replay.dense ? 0.06 : 0.12) * this.scale;
     for (const [name, size] of [['dense', this.denseSize], ['landmarks', dot]]) {
       if (!replay[name]) continue;
-      const cloud = makeCloud(replay[name], size);
+      const cloud = makeCloud(replay[name], size, this.fading);
       this.clouds.push(cloud);
       this.layer(name).add(cloud);
     }
@@ -231,6 +233,14 @@ class World {
                     .filter(({time}) => time >= moment.time - 0.05 && time <= moment.time + 3.05)
                     .map(({state: s}) => this.onGround(s.x, s.y, s.z - s.height / 2 + 0.03));
     if (way.length > 1) group.add(ribbon(way, 0.05 * this.scale, this.contrast, 0.95));
+  }
+
+  /** Lets points before the robot fade in a view. */
+  fadeFor(moment, camera) {
+    const [x, y, z] = moment.pose;
+    this.fading.robotInView.value.set(x, y, z + this.replay.ground).applyMatrix4(camera.matrixWorldInverse);
+    this.fading.aspect.value = camera.aspect || 1;
+    this.fading.floorHeight.value = z + this.replay.ground;
   }
 
   /** Colour of the robot, the truth and the selected track: against the backdrop. */
