@@ -280,5 +280,24 @@ TEST(WheeledRobotTest, LooksForAnotherWayWhenItIsBlockedForLong) {
   EXPECT_TRUE(other_side);
 }
 
+TEST(WheeledRobotTest, RepeatsATourThatEndsAtItsStart) {
+  Floor floor;
+  floor.params.robot.tour_stops = 2;
+  WheeledRobot& robot = floor.robot(3);
+  const Eigen::Vector2d start = robot.position();
+  std::vector<Eigen::Vector2d> stops;
+  for (const Motion& motion : drive(robot, 150.0)) {
+    const bool stands = motion.speed < 1e-9 && std::abs(motion.turn_rate) < 1e-9;
+    if (stands && (stops.empty() || (stops.back() - motion.at).norm() > 1.0)) {
+      stops.push_back(motion.at);
+    }
+  }
+  ASSERT_GE(stops.size(), 7U) << "twice around, from the start";
+  for (std::size_t i = 0; i + 3 < stops.size(); ++i) {
+    EXPECT_LT((stops[i + 3] - stops[i]).norm(), 0.3) << "stop " << i;
+  }
+  EXPECT_LT((stops[3] - start).norm(), 0.3);
+}
+
 }  // namespace
 }  // namespace headway::sim

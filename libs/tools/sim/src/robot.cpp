@@ -92,6 +92,7 @@ WheeledRobot::WheeledRobot(const SimParams& params, const Site& site, const Navi
       grid_(grid),
       random_(seed),
       position_(site.robot_stops.front()) {
+  planTour();
   chooseStop();
   if (!way_.empty()) {
     const Eigen::Vector2d to = way_.front() - position_;
@@ -102,7 +103,25 @@ WheeledRobot::WheeledRobot(const SimParams& params, const Site& site, const Navi
   }
 }
 
+void WheeledRobot::planTour() {
+  std::vector<Eigen::Vector2d> tour;
+  const Eigen::Vector2d start = position_;
+  for (int i = 0; i < params_.tour_stops; ++i) {
+    chooseStop();
+    if (way_.empty()) break;
+    position_ = way_.back();
+    tour.push_back(position_);
+  }
+  if (!tour.empty()) tour.push_back(start);
+  position_ = start;
+  tour_ = tour;
+}
+
 void WheeledRobot::chooseStop() {
+  if (!tour_.empty()) {
+    way_ = grid_.path(position_, tour_[toured_++ % tour_.size()], kRadius);
+    return;
+  }
   constexpr int kNearTries = 60;  // then any stop will do
   for (int tries = 0; tries < 2 * kNearTries; ++tries) {
     const auto& stops = site_.robot_stops;

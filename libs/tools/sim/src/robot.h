@@ -85,7 +85,9 @@ class WheeledRobot {
   [[nodiscard]] Eigen::Vector2d ahead(double distance) const;
 
  private:
+  /// Plans a way to the next stop of the tour, or to a random one.
   void chooseStop();
+  void planTour();
   /// Speed and turn rate that the way demands.
   struct Command {
     double speed = 0.0;      ///< [m/s]
@@ -103,11 +105,13 @@ class WheeledRobot {
   Random random_;
   Eigen::Vector2d position_;
   double yaw_ = 0.0, speed_ = 0.0, turn_rate_ = 0.0;
-  std::vector<Eigen::Vector2d> way_;  ///< corners still ahead
-  double pause_s_ = 0.5;              ///< left of standing at a stop
-  double sudden_stop_s_ = 0.0;        ///< left of a stop without cause
-  double blocked_s_ = 0.0;            ///< time that somebody has been in the way
-  bool turning_ = false;              ///< on the spot
+  std::vector<Eigen::Vector2d> way_;   ///< corners still ahead
+  std::vector<Eigen::Vector2d> tour_;  ///< stops, the start last; empty: random stops
+  std::size_t toured_ = 0;             ///< stops of the tour chosen so far
+  double pause_s_ = 0.5;               ///< left of standing at a stop
+  double sudden_stop_s_ = 0.0;         ///< left of a stop without cause
+  double blocked_s_ = 0.0;             ///< time that somebody has been in the way
+  bool turning_ = false;               ///< on the spot
   Suspension pitch_, roll_;
 };
 

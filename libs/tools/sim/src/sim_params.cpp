@@ -82,6 +82,10 @@ void TrafficParams::describe(Params::Section section) {
 
 void RobotParams::describe(Params::Section section) {
   section.add("standing", standing, "The robot never moves");
+  section.add(
+      "tour_stops", tour_stops, 0, 20, "",
+      "Stops of a tour in hall, campus or warehouse that ends at its start and is repeated; "
+      "0: from stop to stop at random");
   section.add("turn_rate_dps", turn_rate_dps, 10.0, 180.0, "deg/s", "Maximum, on the spot");
   section.add("acceleration_mps2", acceleration_mps2, 0.1, 5.0, "m/s^2", "At the start");
   section.add("brake_mps2", brake_mps2, 0.3, 8.0, "m/s^2", "Hard braking");

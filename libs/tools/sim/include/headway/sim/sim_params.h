@@ -79,6 +79,7 @@ struct TrafficParams {
 /// speed is [route] speed_mps.
 struct RobotParams {
   bool standing = false;              ///< it never moves; in streets, too
+  int tour_stops = 0;                 ///< of a tour that it repeats; 0: from stop to stop at random
   double turn_rate_dps = 90.0;        ///< maximum, on the spot [deg/s]
   double acceleration_mps2 = 1.0;     ///< [m/s^2]
   double brake_mps2 = 3.0;            ///< hard braking: before people, and without cause [m/s^2]
