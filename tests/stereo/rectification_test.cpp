@@ -208,12 +208,18 @@ TEST(RectificationTest, YawIsCorrectedByTheDisparities) {
 TEST(RectificationTest, NamesTheAxesThatAreOff) {
   const auto rolled = describe(estimated({0.0, 0.0, 0.3 * kDegree}), camera());
   EXPECT_NE(std::string::npos, rolled.find("roll 0.30")) << rolled;
-  EXPECT_NE(std::string::npos, rolled.find(": roll of the right camera")) << rolled;
+  EXPECT_NE(std::string::npos, rolled.find(": roll of the right camera; calibrate the cameras"))
+      << rolled;
   EXPECT_NE(std::string::npos, rolled.find(", not corrected (")) << rolled;
   const Eigen::Vector3d pitch(0.1 * kDegree, 0.0, 0.0);
   const auto corrected = describe(estimated(pitch), camera(), pitch);
   EXPECT_EQ(0U, corrected.find("rectification off by 1.")) << corrected;
   EXPECT_NE(std::string::npos, corrected.find(" px, corrected (vertical offset +1.")) << corrected;
+  EXPECT_NE(std::string::npos, corrected.find(": pitch of the right camera")) << corrected;
+  EXPECT_EQ(std::string::npos, corrected.find("calibrate")) << "nothing is left to be calibrated";
+  const auto half = describe(estimated(pitch), camera(), 0.5 * pitch);
+  EXPECT_NE(std::string::npos, half.find("pitch of the right camera; calibrate the cameras"))
+      << half;
   const auto exact = describe(estimated(Eigen::Vector3d::Zero()), camera());
   EXPECT_NE(std::string::npos, exact.find("not significant")) << exact;
 }

@@ -324,8 +324,12 @@ std::string describe(const RectificationError& error, const StereoCamera& camera
       "%.3f, roll %.3f +- %.3f deg%s): ",
       error.rows_rms_px, error.rows_rms_sigma_px, correction, error.offset_px,
       error.offset_sigma_px, angles.x(), sigmas.x(), angles.z(), sigmas.z(), disparities.c_str());
-  const std::string advice = " of the right camera; calibrate the cameras";
-  return text + (axes.empty() ? std::string("not significant") : axes + advice);
+  if (axes.empty()) return text + "not significant";
+  RectificationError left = error;  // by the correction: what is undone needs no calibration
+  left.angles -= corrected;
+  if (left.disparities) left.disparities->px -= corrected[kYaw] / yawOfOffset(1.0, camera);
+  const bool matters = !significantAngles(left, camera).isZero() || isVisible(left.disparities);
+  return text + axes + " of the right camera" + (matters ? "; calibrate the cameras" : "");
 }
 
 }  // namespace headway::stereo
