@@ -15,7 +15,7 @@ namespace headway::import {
 int runDataset(const std::string& dataset, const std::string& about, int argc, const char** argv);
 /// Lists the topics of a bag, or writes it as a rawlog.
 int runRosbag(int argc, const char** argv);
-/// Checks a rawlog.
+/// Checks a rawlog, or thins its frames.
 int runRawlog(int argc, const char** argv);
 
 }  // namespace headway::import

@@ -21,6 +21,6 @@ int main(int argc, char** argv) {
          dataset("tum-rgbd", "Converts a sequence of TUM's RGB-D benchmark to a rawlog"),
          dataset("images", "Converts folders of images of a stereo or depth camera to a rawlog"),
          {"rosbag", "Converts a bag of ROS 1 or ROS 2 to a rawlog", import::runRosbag},
-         {"rawlog", "Checks a rawlog", import::runRawlog}});
+         {"rawlog", "Checks a rawlog, or thins its frames", import::runRawlog}});
   });
 }

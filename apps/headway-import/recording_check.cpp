@@ -34,8 +34,6 @@
 #include <utility>
 #include <vector>
 
-#include "commands.h"
-
 namespace headway::import {
 namespace {
 
@@ -109,12 +107,6 @@ constexpr double kPairTolerance = 0.01;  // of headway's readers [s]
 constexpr double kMaxRate = 1000.0;      // of rotation [rad/s]
 constexpr double kSlowSensor = 0.2;      // latency after which places no longer fit the images [s]
 constexpr double kOtherClock = 1.0;      // of headway's readers: latencies are shorter [s]
-
-bool isAnyImage(const mrpt::obs::CObservation& observation) {
-  return dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr ||
-         dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation) != nullptr ||
-         dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&observation) != nullptr;
-}
 
 std::string classNameOf(const mrpt::obs::CObservation& observation) {
   const std::string name = observation.GetRuntimeClass()->className;
@@ -666,6 +658,12 @@ void addCheck(program::CommandLine& line, bool& check) {
             "clocks; exit status 1 if something is bad; without -o nothing is kept");
 }
 
+bool isAnyImage(const mrpt::obs::CObservation& observation) {
+  return dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr ||
+         dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation) != nullptr ||
+         dynamic_cast<const mrpt::obs::CObservation3DRangeScan*>(&observation) != nullptr;
+}
+
 int checkRawlog(const std::string& path, const std::string& sensor_label) {
   TimeCheck times(sensor_label);
   std::map<std::string, std::size_t> skipped;
@@ -689,20 +687,6 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
   std::cout << "verdict: " << count(Rating::kBad) << " bad, " << count(Rating::kWarning)
             << " warnings, " << count(Rating::kOk) << " ok" << std::endl;
   return count(Rating::kBad) > 0 ? kBadRecording : program::kDone;
-}
-
-int runRawlog(int argc, const char** argv) {
-  std::string path, sensor_label;
-  bool check = false;
-  program::CommandLine line("headway-import rawlog", "Checks a rawlog.");
-  line.positional(path, "FILE", "Rawlog");
-  line.option(sensor_label, 0, "sensor-label", "LABEL",
-              "Stereo camera to use if the rawlog contains several");
-  addCheck(line, check);
-  if (!line.parse(argc, argv)) return program::kDone;
-  if (!check) throw program::UsageError("a rawlog needs no import; --check checks it");
-  program::catchInterrupts();
-  return checkRawlog(path, sensor_label);
 }
 
 }  // namespace headway::import

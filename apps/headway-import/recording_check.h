@@ -6,6 +6,10 @@
 
 #include <string>
 
+namespace mrpt::obs {
+class CObservation;
+}
+
 namespace headway::import {
 
 /// Where an import writes: to a file, or with --check and without one, to a temporary file that is
@@ -24,6 +28,9 @@ class ImportOutput {
   std::string path_;
   std::string folder_;  ///< temporary; empty: none
 };
+
+/// Whether an observation is an image, a pair of them or an image with depth.
+[[nodiscard]] bool isAnyImage(const mrpt::obs::CObservation& observation);
 
 /// Adds --check.
 void addCheck(program::CommandLine& line, bool& check);

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
+#include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/folders.h>
 #include <headway_test/paths.h>
+#include <mrpt/obs/CObservation.h>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -315,6 +317,64 @@ TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {
     EXPECT_EQ(130, result.status);
     EXPECT_THAT(result.output, HasSubstr("interrupted"));
   }
+}
+
+TEST_F(ImportExportTest, ARawlogIsThinnedToEveryNthFrameWithAllThatOtherSensorsMeasured) {
+  {
+    RawlogSink sink(at("in.rawlog"), ImageStorage::kEmbedded);
+    for (int i = 0; i < 7; ++i) {
+      const Time time = test::frameTime(static_cast<std::size_t>(i));
+      const auto images = test::colourWall(i);
+      sink.writeStereo(time, images.left, images.right, rawFrom(test::smallCamera()));
+      Detections detections;
+      detections.time = time;
+      detections.items.emplace_back().box2d = Box2d{1, 2, 3, 4};
+      sink.writeDetections("detections", detections);
+      sink.writePose("truth_pose", time, Pose::Identity());
+      for (const double delay : {0.02, 0.06}) sink.writeImu(time + delay, {0, 0, 0.1}, {0, 0, 9.8});
+    }
+  }
+  const std::string call = "rawlog " + at("in.rawlog") + " --every 3 -o " + at("x.rawlog");
+  const auto result = import(call);
+  EXPECT_EQ(0, result.status) << result.output;
+  EXPECT_THAT(result.output,
+              HasSubstr("x.rawlog: 3 of 7 frames (every 3), 21 observations of other "
+                        "sensors\n"));
+  const auto before = test::framesOf(at("in.rawlog"));
+  const auto frames = test::framesOf(at("x.rawlog"));
+  ASSERT_EQ(3u, frames.size());
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(before[3 * i].time, frames[i].time);
+    EXPECT_TRUE(test::sameImage(before[3 * i].stereo->left_colour, frames[i].stereo->left_colour));
+    EXPECT_TRUE(test::sameImage(before[3 * i].stereo->right, frames[i].stereo->right));
+    ASSERT_TRUE(frames[i].detections);
+    EXPECT_EQ(1u, frames[i].detections->items.size());
+  }
+  std::map<std::string, std::size_t> kinds, skipped;
+  (void)visitObservations(at("x.rawlog"), skipped, [&](const mrpt::obs::CObservation& observation) {
+    ++kinds[observation.sensorLabel];
+  });
+  EXPECT_EQ(3u, kinds["stereo"]);
+  EXPECT_EQ(3u, kinds["detections"]);
+  EXPECT_EQ(7u, kinds["truth_pose"]);
+  EXPECT_EQ(14u, kinds["imu"]);
+  EXPECT_EQ(1, import(call).status);  // it exists
+  EXPECT_EQ(0, import(call + " -w -q").status);
+}
+
+TEST_F(ImportExportTest, ThinningRefusesWhatItCannotDo) {
+  test::recordWalls(at("in.rawlog"), 2);
+  const std::string call = "rawlog " + at("in.rawlog") + " -o " + at("x.rawlog");
+  EXPECT_EQ(2, import(call).status);  // every what?
+  for (const char* every : {"0", "-1", "1.5", "x"}) {
+    EXPECT_EQ(2, import(call + " --every " + every).status) << every;
+  }
+  EXPECT_EQ(1, import("rawlog " + at("in.rawlog") + " -w --every 2 -o " + at("in.rawlog")).status);
+  test::recordWalls(at("beside.rawlog"), 2, ImageStorage::kExternalPng);
+  const auto beside = import("rawlog " + at("beside.rawlog") + " --every 2 -o " + at("x.rawlog"));
+  EXPECT_EQ(1, beside.status);
+  EXPECT_THAT(beside.output, HasSubstr("beside.rawlog: stores its images beside it"));
+  EXPECT_FALSE(fs::exists(folder_ / "x.rawlog"));
 }
 
 }  // namespace
