@@ -64,10 +64,10 @@ std::size_t firstFrame(const nlohmann::json& record) {
 }
 
 const Pose* poseAt(const std::vector<Stamped<Pose>>& trajectory, Time time) {
-  constexpr double kSameTime_s = 1e-3;
-  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kSameTime_s,
+  const auto found = std::lower_bound(trajectory.begin(), trajectory.end(), time - kTimeTolerance_s,
                                       [](const auto& pose, Time t) { return pose.time < t; });
-  return found == trajectory.end() || found->time > time + kSameTime_s ? nullptr : &found->value;
+  return found == trajectory.end() || found->time > time + kTimeTolerance_s ? nullptr
+                                                                            : &found->value;
 }
 
 }  // namespace headway::eval

@@ -29,7 +29,10 @@ namespace headway::eval {
 /// Index of the first frame of a replay, by its record.
 [[nodiscard]] std::size_t firstFrame(const nlohmann::json& record);
 
-/// The pose of a trajectory at a time, within 1 ms; null if there is none.
+/// Times of files that differ by less are the same [s].
+inline constexpr double kTimeTolerance_s = 1e-3;
+
+/// The pose of a trajectory at a time; null if there is none.
 [[nodiscard]] const Pose* poseAt(const std::vector<Stamped<Pose>>& trajectory, Time time);
 
 }  // namespace headway::eval

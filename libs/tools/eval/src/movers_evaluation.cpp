@@ -8,6 +8,7 @@
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/map/track_geometry.h>
 
 #include <algorithm>
 #include <cmath>
@@ -29,22 +30,12 @@ constexpr double kNearestDepth_m = 0.1;  // corners of boxes nearer than this ar
 /// Image box of a track's 3D box; nullopt if its centre is behind the camera.
 std::optional<Box2d> imageBox(const Track& track, const Pose& T_cam_map, const StereoCamera& lens) {
   if ((T_cam_map * track.position).z() < kNearestDepth_m) return std::nullopt;
-  Box2d box{1e9, 1e9, -1e9, -1e9};
-  const Eigen::AngleAxisd turn(track.yaw, Eigen::Vector3d::UnitZ());
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d sign((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
-                               (corner & 4) != 0 ? 0.5 : -0.5);
-    const Eigen::Vector3d point =
-        T_cam_map * (track.position + turn * sign.cwiseProduct(track.size));
-    if (point.z() < kNearestDepth_m) continue;
-    const double u = lens.fx * point.x() / point.z() + lens.cx;
-    const double v = lens.fy * point.y() / point.z() + lens.cy;
-    box.left = std::min(box.left, u);
-    box.right = std::max(box.right, u);
-    box.top = std::min(box.top, v);
-    box.bottom = std::max(box.bottom, v);
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3d& corner : map::boxCorners(track)) {
+    const Eigen::Vector3d point = T_cam_map * corner;
+    if (point.z() >= kNearestDepth_m) box.extend(project(point, lens)->head<2>());
   }
-  return box;
+  return Box2d{box.min().x(), box.min().y(), box.max().x(), box.max().y()};
 }
 
 /// Adds the rows of a tracks file, and the camera poses of their frames.

@@ -9,10 +9,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "evaluation_inputs.h"
+
 namespace headway::eval {
 namespace {
-
-constexpr double kTimeTolerance_s = 1e-3;
 
 /// Length over the ground of a vector in the camera's frame [m].
 double groundRange(const Eigen::Vector3d& vector) { return std::hypot(vector.x(), vector.z()); }

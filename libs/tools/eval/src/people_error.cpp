@@ -77,11 +77,9 @@ class PeopleEvaluation {
 
   [[nodiscard]] bool isInView(const SeenObject& seen) const {
     if (seen.visible < params_.min_visible) return false;
-    const Eigen::Vector3d at = T_cam_robot_ * seen.object.position;
-    if (!(at.z() > 0.0)) return false;
-    const double u = camera_.fx * at.x() / at.z() + camera_.cx;
-    const double v = camera_.fy * at.y() / at.z() + camera_.cy;
-    return u >= 0.0 && v >= 0.0 && u <= camera_.width - 1 && v <= camera_.height - 1;
+    const auto at = project(T_cam_robot_ * seen.object.position, camera_);
+    return at && at->x() >= 0.0 && at->y() >= 0.0 && at->x() <= camera_.width - 1 &&
+           at->y() <= camera_.height - 1;
   }
 
   /// Whether a person counts; takes note of how long he has been in view. Whoever is out of view
@@ -89,11 +87,10 @@ class PeopleEvaluation {
   bool counts(const SeenObject& seen, Time time) {
     if (!isInView(seen)) return false;
     auto [view, is_new] = views_.try_emplace(seen.object.id, View{time, time});
-    constexpr double kRounding_s = 1e-3;  // of times in files
-    if (time - view->second.last > params_.settle_s + kRounding_s) view->second.since = time;
+    if (time - view->second.last > params_.settle_s + kTimeTolerance_s) view->second.since = time;
     view->second.last = time;
     const double range = rangeOf(seen);
-    return time - view->second.since > params_.settle_s - kRounding_s &&
+    return time - view->second.since > params_.settle_s - kTimeTolerance_s &&
            range >= params_.min_range_m && range <= params_.max_range_m;
   }
 
@@ -280,7 +277,7 @@ plot::TextTable tableOf(const PeopleError& error) {
       {"people", "person-frames", "found", "found %", "95 % interval", "as person %"}};
   const auto add = [&](const std::string& name, const PersonFrames& cell) {
     const auto interval = cell.interval();
-    const auto bound = [&](std::size_t i) { return plot::fixedText(100.0 * (*interval)[i], 1); };
+    const auto bound = [&](std::size_t i) { return plot::percentText((*interval)[i], 1); };
     table.push_back({name, std::to_string(cell.persons), std::to_string(cell.found),
                      plot::percentText(cell.foundRatio(), 1),
                      interval ? bound(0) + " to " + bound(1) : "-",
