@@ -77,16 +77,21 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
   return text;
 }
 
-std::string pictureUri(const std::filesystem::path& path, int max_width) {
-  cv::Mat picture = io::loadImage(path.string());
-  if (picture.empty()) throw InputError(path.string() + ": is not a readable picture");
+std::vector<std::uint8_t> jpegOf(const cv::Mat& picture, int max_width, int quality) {
+  cv::Mat small = picture;
   if (picture.cols > max_width) {
     const double scale = static_cast<double>(max_width) / picture.cols;
-    cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
+    cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
   }
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 88});
-  return "data:image/jpeg;base64," + base64(bytes);
+  cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+  return bytes;
+}
+
+std::string pictureUri(const std::filesystem::path& path, int max_width) {
+  const cv::Mat picture = io::loadImage(path.string());
+  if (picture.empty()) throw InputError(path.string() + ": is not a readable picture");
+  return "data:image/jpeg;base64," + base64(jpegOf(picture, max_width, 88));
 }
 
 GridPicture gridPicture(const std::filesystem::path& path) {

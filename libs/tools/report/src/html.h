@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ namespace headway::report {
 
 /// Base 64 encoding (RFC 4648) with padding; hand-written because Boost's are not public.
 [[nodiscard]] std::string base64(const std::vector<std::uint8_t>& bytes);
+
+/// A picture as JPEG, scaled down to at most `max_width` [px].
+[[nodiscard]] std::vector<std::uint8_t> jpegOf(const cv::Mat& picture, int max_width, int quality);
 
 /// A picture file as a JPEG data URI, scaled down to at most `max_width` [px].
 ///

@@ -15,8 +15,6 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "html.h"
@@ -278,24 +276,9 @@ Json pageData(const fs::path& folder, const std::vector<ReplayFrame>& frames,
   return data;
 }
 
-namespace {
-
-std::vector<std::uint8_t> smallJpeg(const cv::Mat& image) {
-  cv::Mat small = image;
-  if (image.cols > kLimits.image_width) {
-    const double scale = static_cast<double>(kLimits.image_width) / image.cols;
-    cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
-  }
-  std::vector<std::uint8_t> jpeg;
-  cv::imencode(".jpg", small, jpeg, {cv::IMWRITE_JPEG_QUALITY, kLimits.image_quality});
-  return jpeg;
-}
-
-}  // namespace
-
 void PageImages::add(std::size_t frame, const cv::Mat& image) {
   if (image.empty() || added_++ % step_ != 0) return;
-  jpegs_[frame] = smallJpeg(image);
+  jpegs_[frame] = jpegOf(image, kLimits.image_width, kLimits.image_quality);
   if (jpegs_.size() <= kLimits.images) return;
   std::size_t position = 0;
   for (auto jpeg = jpegs_.begin(); jpeg != jpegs_.end(); ++position) {

@@ -398,11 +398,6 @@ std::string timingsSection(const ReplayFolder& folder) {
   return section("timings", "Processing time per stage", "Median and 95th percentile.", bars);
 }
 
-std::string versionOf(const ReplayFolder& folder) {
-  const auto version = folder.summary.find("version");
-  return version != folder.summary.end() && version->is_string() ? version->get<std::string>() : "";
-}
-
 std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
   const TruthLayer truth = readTruth(folder, options.truth);
   const std::string title =
@@ -414,7 +409,7 @@ std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {
          mapSection(folder, truth) + snapshotsSection(folder, options.max_pictures) +
          tracksSection(folder) + timingsSection(folder) + calibrationSection(folder) +
          droppedSection(folder) + configurationSection(folder) + "<footer>headway " +
-         escaped(versionOf(folder)) + "</footer></main></body></html>\n";
+         escaped(textAt(folder.summary, "version")) + "</footer></main></body></html>\n";
 }
 
 std::string readPage(const fs::path& folder, const ReportOptions& options) {
