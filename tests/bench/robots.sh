@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Measures what small rigs see in the worlds for robots: moving objects and the occupancy grid.
+# Measures what small rigs see in the worlds for robots: moving objects, the occupancy grid, and people.
 #   [SEEDS="11 12 13"] [FRAMES=120] tests/bench/robots.sh [OUT]
 # OUT (default out/robots) contains rawlogs and results; existing rawlogs are reused.
 set -euo pipefail
@@ -19,7 +19,7 @@ recorded() {
 }
 
 for world in yard-loop hall campus warehouse; do
-  for rig in robot small; do
+  for rig in robot small rgbd; do
     for seed in $seeds; do
       recorded "$world-$rig-$seed" -c "config/worlds/$world.ini" --rig $rig --seed "$seed"
     done
@@ -39,15 +39,28 @@ done
 echo
 echo "Grid: visible obstacles within the rig's reach, all seeds together"
 echo "Precision: cells called occupied that are obstacles or touch one (that are obstacles)"
-echo "| world, rig | visible | observed | found | free alone | at 0.5-3 m: visible, found | precision | phantoms | left by movers | drops, free |"
+echo -n "| world, rig | visible | observed | found | free alone | at 0.5-3 m: visible, found "
+echo "| precision | phantoms | left by movers | drops, free |"
 echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
 for world in yard-loop hall campus warehouse; do
-  for rig in robot small; do
+  for rig in robot small rgbd; do
     for seed in $seeds; do
       name=$world-$rig-$seed
       $bin/headway-replay -q -w -i "$out/$name.rawlog" -o "$out/$name" --snapshots 0
-      $bin/headway-eval grid -q -w --truth "$out/$name.truth" --estimate "$out/$name" --json "$out/$name.json"
+      $bin/headway-eval grid -q -w --truth "$out/$name.truth" --estimate "$out/$name" --json "$out/$name.grid.json"
+      $bin/headway-eval people -q -w "$out/$name" --truth "$out/$name.truth" --json "$out/$name.people.json"
     done
-    python3 tests/bench/robots_grid.py "$world, $rig" "$out/$world-$rig"-*.json
+    python3 tests/bench/robots_grid.py "$world, $rig" "$out/$world-$rig"-*.grid.json
+  done
+done
+
+echo
+echo "People: person-frames found (number), to the reach of the rig's line"
+echo -n "| world, rig | walks < 1.5 m | 1.5-3 m | 3-7 m | 7 m- | stands < 1.5 m | 1.5-3 m | 3-7 m | 7 m- "
+echo "| false rows | person rows right | false moving tracks |"
+echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
+for world in yard-loop hall campus warehouse; do
+  for rig in robot small rgbd; do
+    python3 tests/bench/robots_people.py "$world, $rig" "$out/$world-$rig"-*.people.json
   done
 done
