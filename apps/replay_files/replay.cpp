@@ -174,6 +174,10 @@ Replay::Replay(const Options& options, std::unique_ptr<run::Source> source,
   summary_.rig = perception_->rig();
   if (summary_.rig && !options_.quiet) std::puts(stereo::describe(*summary_.rig).c_str());
   if (camera_ != nullptr) io::writeCalibration(folder_.path() / "calibration.yaml", *camera_);
+  summary_.detector = perception_params.detection.detector;
+  for (const auto& name : pipeline::imageDetectors(perception_params.detection)) {
+    summary_.image_detectors += (summary_.image_detectors.empty() ? "" : "+") + name;
+  }
   writeRecord(perception_params.detection, params);
 }
 
@@ -232,6 +236,7 @@ void Replay::onEnd(const std::optional<std::string>& failure) {
 void Replay::count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update) {
   if (frame.rectify_ms > 0.0) summary_.stages.add("rectify", frame.rectify_ms);
   summary_.detections_used += update.objects.detections_used;
+  summary_.has_recorded_boxes = summary_.has_recorded_boxes || frame.detections.has_value();
   for (const auto& [reason, dropped] : update.objects.detections_dropped) {
     summary_.detections_dropped[reason] += dropped;
   }

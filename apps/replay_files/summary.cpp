@@ -46,7 +46,8 @@ Json calibrationJson(const std::optional<io::CalibrationReport>& report) {
 
 Json rigJson(const std::optional<stereo::RigCapability>& rig) {
   if (!rig) return nullptr;
-  return {{rig->depth_reach_m > 0.0 ? "depth_reach_m" : "baseline_m",
+  return {{"text", stereo::describe(*rig)},
+          {rig->depth_reach_m > 0.0 ? "depth_reach_m" : "baseline_m",
            rig->depth_reach_m > 0.0 ? rig->depth_reach_m : rig->baseline_m},
           {"camera_height_m", rig->camera_height_m},
           {"camera_height_known", rig->camera_height_known},
@@ -101,6 +102,24 @@ std::string countsText(const std::map<std::string, std::size_t>& counts) {
   for (const auto& [reason, count] : counts) {
     text += (text.empty() ? "" : ", ") + printable(reason) + " " + std::to_string(count);
   }
+  return text;
+}
+
+/// How many boxes made the tracks and where they are from.
+std::string boxesText(const Summary& summary) {
+  const bool is_recorded =
+      summary.detector == "recorded" || (summary.detector == "auto" && summary.has_recorded_boxes);
+  std::string text = std::to_string(summary.detections_used);
+  if (is_recorded) {
+    text += summary.detections_used == 1 ? " recorded box" : " recorded boxes";
+  } else {
+    text += summary.detections_used == 1 ? " detection" : " detections";
+    text += " by " + (summary.detector == "auto" ? summary.image_detectors : summary.detector);
+  }
+  if (!summary.detections_dropped.empty()) {
+    text += " (dropped: " + countsText(summary.detections_dropped) + ")";
+  }
+  if (is_recorded) text += "; --detector stereo_motion finds objects from images alone";
   return text;
 }
 
@@ -214,11 +233,9 @@ void printSummary(const Summary& summary) {
         "submaps at the end\n",
         summary.new_submap_frames.count, summary.submaps);
   }
-  std::printf("%zu tracks confirmed, %zu of them moving; %zu detections used",
-              summary.tracks_confirmed, summary.tracks_moving, summary.detections_used);
-  if (!summary.detections_dropped.empty()) {
-    std::printf(", dropped: %s", countsText(summary.detections_dropped).c_str());
-  }
+  std::printf("%zu %s confirmed, %zu of them moving; %s", summary.tracks_confirmed,
+              summary.tracks_confirmed == 1 ? "track" : "tracks", summary.tracks_moving,
+              boxesText(summary).c_str());
   std::printf(
       "\n%.1f ms per frame (median), %.1f ms (95 %%); %.1f ms CPU; %.0f MB; first frame "
       "after %.2f s\n",

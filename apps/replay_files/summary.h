@@ -84,6 +84,9 @@ struct Summary {
   double cpu_ms = 0.0;  ///< over all frames
   StageTimes stages;
   std::size_t detections_used = 0;
+  std::string detector;             ///< as configured
+  std::string image_detectors;      ///< that run where no boxes are recorded, joined by +
+  bool has_recorded_boxes = false;  ///< in any frame
   DropCounts detections_dropped;
   std::optional<io::CalibrationReport> calibration;
   std::optional<stereo::RigCapability> rig;

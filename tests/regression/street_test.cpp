@@ -106,6 +106,13 @@ TEST(StreetTest, SummaryHasTheKeysThatScriptsRelyOn) {
   EXPECT_GT(summary.at("detections_used"), 100);
 }
 
+TEST(StreetTest, SaysWhereTheBoxesAreFrom) {
+  EXPECT_NE(std::string::npos, streetRun().process.output.find(
+                                   "; --detector stereo_motion finds objects from images alone"))
+      << streetRun().process.output;
+  EXPECT_NE(std::string::npos, streetRun().process.output.find(" recorded boxes"));
+}
+
 TEST(StreetTest, TwoRunsGiveTheSameBytes) {
   const test::TemporaryFolder folder;
   const auto again = test::replay(kStreet, folder / "out");
@@ -145,6 +152,7 @@ TEST(StreetTest, TheImagesAloneGiveMovingTracksTwiceTheSame) {
   ASSERT_EQ(0, run.process.status) << run.process.output;
   EXPECT_GE(run.summary.at("tracks_moving"), 2);
   EXPECT_TRUE(run.summary.at("stages_ms").contains("detect"));
+  EXPECT_NE(std::string::npos, run.process.output.find(" detections by stereo_motion"));
   const auto again = test::replay(kStreet, folder / "again", options);
   for (const char* name : {"detections.csv", "tracks.csv", "trajectory.tum"}) {
     EXPECT_TRUE(test::contentsOf(again.file(name)) == test::contentsOf(run.file(name))) << name;

@@ -236,6 +236,43 @@ TEST_F(ReplayPageInBrowserTest, LinksScrubbingStepsAndClicksShowTheMoment) {
   EXPECT_THAT(browser_->messages(), IsEmpty());
 }
 
+TEST_F(ReplayPageInBrowserTest, BeginsWithRobotAndPathInView) {
+  for (const auto& [width, height] : {std::pair(640, 400), std::pair(390, 760)}) {
+    open("", width, height);
+    EXPECT_EQ(true, browser_->evaluate(
+                        "replayPage.replay.frames.every(({pose: [x, y, z]}) => { const p = new "
+                        "THREE.Vector3(x, y, z).project(replayPage.views.camera); return "
+                        "Math.abs(p.x) < 1 && Math.abs(p.y) < 1 && p.z < 1; })"));
+  }
+  EXPECT_THAT(text("moment"), HasSubstr("frame 0 · 0.0 m/s over 1 s · 2 tracks"));
+  browser_->evaluate("replayPage.setTime(2)");
+  EXPECT_TRUE(browser_->waitFor("moment.textContent.startsWith('frame 20 · 5.0 m/s over 1 s')"));
+  EXPECT_THAT(browser_->messages(), IsEmpty());
+}
+
+TEST_F(ReplayPageInBrowserTest, ALinkIsDrawnBeforeTheNextPicture) {
+  open("#t=1");
+  EXPECT_EQ("20 top", browser_->evaluate(
+                          "window.requestAnimationFrame = () => 0; history.replaceState(null, '', "
+                          "'#t=2&view=top'); dispatchEvent(new Event('hashchange')); "
+                          "document.documentElement.dataset.drawn"));
+}
+
+TEST_F(ReplayPageInBrowserTest, PointsBetweenEyeAndRobotFade) {
+  open("#t=1&view=orbit");
+  // From beyond the wall on the right.
+  browser_->evaluate(
+      "Object.assign(replayPage.views.orbit, {turn: -Math.PI / 2, elevation: 0.15, distance: 20}); "
+      "replayPage.redraw()");
+  ASSERT_TRUE(browser_->waitFor("!replayPage.full"));
+  const cv::Mat picture = screenshot();
+  cv::Mat wall;
+  cv::inRange(picture, cv::Scalar(44, 76, 140), cv::Scalar(84, 116, 180), wall);
+  const cv::Rect robot(280, 160, 80, 80);
+  EXPECT_LT(cv::countNonZero(wall(robot)), 100);
+  EXPECT_GT(cv::countNonZero(wall), 2000) << "elsewhere it is seen";
+}
+
 TEST_F(ReplayPageInBrowserTest, EachViewLooksAsBefore) {
   open("#t=1");
   cv::Mat last;

@@ -84,7 +84,7 @@ TEST_F(ReportTest, ShowsAllPartsOfAFinishedReplay) {
   EXPECT_THAT(html, HasSubstr("box with values that are not finite"));
   EXPECT_THAT(html, HasSubstr("strange_reason"));
   EXPECT_THAT(html, HasSubstr("CObservation2DRangeScan"));
-  EXPECT_THAT(html, HasSubstr("[slam] 1 parameters"));
+  EXPECT_THAT(html, HasSubstr("[slam] 1 parameter<"));
   EXPECT_THAT(html, HasSubstr("headway 9.8.7"));
 }
 

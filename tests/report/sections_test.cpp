@@ -22,10 +22,28 @@ TEST(TitleBlockTest, NamesRawlogAndDetectionsEscaped) {
   EXPECT_THAT(html, Not(HasSubstr("warning")));
 }
 
-TEST(TitleBlockTest, SaysHowWellTheImagesAreRectified) {
+TEST(TitleBlockTest, SaysWhatTheRigCanSee) {
+  ReplayFolder folder;
+  folder.summary["rig"] = {{"text", "rig: baseline 0.12 m; people's motion to 6.5 m"}};
+  EXPECT_THAT(titleBlock(folder), HasSubstr("rig: baseline 0.12 m; people's motion to 6.5 m"));
+}
+
+TEST(CalibrationSectionTest, SaysHowWellTheImagesAreRectified) {
   ReplayFolder folder;
   folder.summary["rectification"] = "rectification off by 0.31 +- 0.02 px";
-  EXPECT_THAT(titleBlock(folder), HasSubstr("rectification off by 0.31 +- 0.02 px"));
+  folder.summary["calibration"] = {{"vertical_disparity_px", 0.1}};
+  EXPECT_THAT(titleBlock(folder), Not(HasSubstr("rectification")));
+  EXPECT_THAT(calibrationSection(folder), HasSubstr("rectification off by 0.31 +- 0.02 px"));
+}
+
+TEST(TitleBlockTest, OneIsNotSeveral) {
+  ReplayFolder folder;
+  folder.summary["frames_lost"] = 1;
+  folder.summary["lost_frames"] = {7};
+  folder.summary["warnings"] = {{"gap", {{"count", 1}, {"first_frame", 3}, {"text", "a gap"}}}};
+  const std::string html = titleBlock(folder);
+  EXPECT_THAT(html, HasSubstr("Camera lost in 1 frame: 7<"));
+  EXPECT_THAT(html, HasSubstr("From frame 3, 1 time: a gap"));
 }
 
 TEST(TitleBlockTest, UsesTheFolderNameWithoutARecord) {
@@ -69,9 +87,26 @@ TEST(SummaryTilesTest, ShowsMissingFiguresAsDashes) {
   EXPECT_THAT(html, HasSubstr("–<i> ms</i>"));
 }
 
+TEST(SummaryTilesTest, SaysWhatEachCountIs) {
+  ReplayFolder folder;
+  folder.summary = {{"loops", 1}, {"landmarks", 1}, {"keyframes", 1}, {"tracks_confirmed", 1}};
+  const std::string one = summaryTiles(folder);
+  for (const char* text :
+       {"1 loop closed", "1<i> landmark</i>", "1 keyframe<", "of 1 confirmed track<"}) {
+    EXPECT_THAT(one, HasSubstr(text));
+  }
+  folder.summary = {{"loops", 2}, {"landmarks", 3}, {"keyframes", 0}, {"tracks_confirmed", 5}};
+  const std::string several = summaryTiles(folder);
+  for (const char* text :
+       {"2 loops closed", "3<i> landmarks</i>", "0 keyframes<", "of 5 confirmed tracks<"}) {
+    EXPECT_THAT(several, HasSubstr(text));
+  }
+}
+
 TEST(ErrorsSectionTest, IsEmptyWithoutErrors) {
   EXPECT_EQ(errorsSection({}), "");
-  const std::string html = errorsSection({{"ATE < RMSE", "0.1 m"}});
+  const std::string html = errorsSection({{"ATE < RMSE", "0.1 m", "of the path"}});
+  EXPECT_THAT(html, HasSubstr("<td>of the path</td>"));
   EXPECT_THAT(html, HasSubstr("ATE &lt; RMSE"));
   EXPECT_THAT(html, HasSubstr("0.1 m"));
 }

@@ -62,8 +62,19 @@ TEST(ActivityPlotsTest, ShowTheHighestSpeedAndNumberOfTracks) {
   for (int i = 0; i < 40; ++i) folder.trajectory.push_back(poseAt(0.1 * i, 0.5 * i, 0.0));
   folder.tracks = {exampleTrack(1), exampleTrack(2)};
   const std::string html = activityPlots(folder);
+  EXPECT_THAT(html, HasSubstr("mean over the last second"));
   EXPECT_THAT(html, HasSubstr("max. 5.0\u202fm/s"));
-  EXPECT_THAT(html, HasSubstr("max. 2\u202ftracks"));
+  EXPECT_THAT(html, HasSubstr("max. 2 tracks"));
+  folder.tracks.pop_back();
+  EXPECT_THAT(activityPlots(folder), HasSubstr("max. 1 track<"));
+}
+
+TEST(ActivityPlotsTest, HaveAxesOfRoundValuesFromZeroAndOfTime) {
+  ReplayFolder folder;
+  for (int i = 0; i < 41; ++i) folder.trajectory.push_back(poseAt(0.1 * i, 0.055 * i, 0.0));
+  const std::string html = activityPlots(folder);
+  EXPECT_THAT(html, HasSubstr("<span>0.6</span><span>0.4</span><span>0.2</span><span>0.0</span>"));
+  EXPECT_THAT(html, HasSubstr("<span>0 s</span><span>2.0 s</span><span>4.0 s</span>"));
 }
 
 TEST(TimingBarsTest, ShowEachStageWithItsFigures) {
@@ -73,6 +84,7 @@ TEST(TimingBarsTest, ShowEachStageWithItsFigures) {
   const std::string html = timingBars(folder);
   EXPECT_THAT(html, HasSubstr("slam_track"));
   EXPECT_THAT(html, HasSubstr("10.0 / 40.0 ms"));
+  EXPECT_THAT(html, HasSubstr("<span>0 ms</span><span>20.0 ms</span><span>40.0 ms</span>"));
   EXPECT_THAT(html, HasSubstr("width=\"1000.0\""));
   EXPECT_THAT(html, HasSubstr("width=\"250.0\""));
 }

@@ -49,6 +49,10 @@ std::string grouped(std::size_t value) {
   return digits;
 }
 
+std::string counted(std::size_t count, const std::string& singular) {
+  return grouped(count) + " " + singular + (count == 1 ? "" : "s");
+}
+
 std::string hex(Colour colour) {
   std::array<char, 8> text{};
   std::snprintf(text.data(), text.size(), "#%02x%02x%02x", colour.red, colour.green, colour.blue);

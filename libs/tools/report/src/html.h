@@ -21,6 +21,9 @@ namespace headway::report {
 /// An integer with narrow spaces between groups of three digits.
 [[nodiscard]] std::string grouped(std::size_t value);
 
+/// A number of things: "1 track", "2 tracks".
+[[nodiscard]] std::string counted(std::size_t count, const std::string& singular);
+
 /// "#rrggbb".
 [[nodiscard]] std::string hex(Colour colour);
 

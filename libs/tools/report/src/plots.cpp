@@ -262,40 +262,47 @@ std::string bars(const TrackHistory& history, const TimeSpan& span) {
   return svg;
 }
 
-std::string timeAxis(const TimeSpan& span) {
+std::string timeTicks(const TimeSpan& span) {
   const double length = span.last - span.first;
-  return "<div class=\"row axis\"><span></span><div class=\"ticks\"><span>0 s</span><span>" +
-         fixed(0.5 * length, 1) + " s</span><span>" + fixed(length, 1) + " s</span></div></div>";
+  return "<div class=\"ticks\"><span>0 s</span><span>" + fixed(0.5 * length, 1) +
+         " s</span><span>" + fixed(length, 1) + " s</span></div>";
 }
 
-/// A filled curve over time of evenly spaced values.
-std::string areaPlot(const std::string& title, const std::string& unit,
-                     const std::vector<double>& values, int decimals, const TimeSpan& span) {
-  const double top = std::max(1e-9, *std::max_element(values.begin(), values.end()));
+std::string timeAxis(const TimeSpan& span) {
+  return "<div class=\"row axis\"><span></span>" + timeTicks(span) + "</div>";
+}
+
+/// A filled curve over time of evenly spaced values, with axes.
+std::string areaPlot(const std::string& title, const std::string& max_text,
+                     const std::vector<double>& values, const TimeSpan& span) {
+  const double max = std::max(1e-9, *std::max_element(values.begin(), values.end()));
+  const double step = plot::tickStep(max, 3.0), top = step * std::ceil(max / step - 1e-9);
+  std::string line, lines, heights;
+  for (double value = top; value > -0.5 * step; value -= step) {
+    lines += "M0 " + fixed(100.0 * (1.0 - value / top), 1) + "H1000";
+    heights += "<span>" + plot::tickText(value, step) + "</span>";
+  }
   const double last = std::max(1.0, static_cast<double>(values.size()) - 1.0);
-  std::string line;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double x = kWidth * static_cast<double>(i) / last;
-    line += (i == 0 ? "M" : "L") + fixed(x, 1) + " " + fixed(100.0 - 92.0 * values[i] / top, 1);
+    line += (i == 0 ? "M" : "L") + fixed(x, 1) + " " + fixed(100.0 * (1.0 - values[i] / top), 1);
   }
-  return "<figure class=\"area\"><figcaption>" + escaped(title) + " <b>max. " +
-         fixed(top, decimals) + "\u202f" + escaped(unit) +
-         "</b></figcaption><svg viewBox=\"0 0 1000 100\" preserveAspectRatio=\"none\" role=\"img\" "
+  return "<figure class=\"area\"><figcaption>" + escaped(title) + " <b>max. " + escaped(max_text) +
+         "</b></figcaption><div class=\"heights\">" + heights +
+         "</div><svg viewBox=\"0 0 1000 100\" preserveAspectRatio=\"none\" role=\"img\" "
          "aria-label=\"" +
-         escaped(title) + " over time\"><path class=\"fill\" d=\"" + line + "L1000 100L0 100Z\"/>" +
-         "<path class=\"curve\" d=\"" + line + "\"/></svg><div class=\"ticks\"><span>0 s</span>" +
-         "<span>" + fixed(span.last - span.first, 1) + " s</span></div></figure>";
+         escaped(title) + " over time\"><path class=\"lines\" d=\"" + lines +
+         "\"/><path class=\"fill\" d=\"" + line + "L1000 100L0 100Z\"/>" +
+         "<path class=\"curve\" d=\"" + line + "\"/></svg>" + timeTicks(span) + "</figure>";
 }
 
-/// Mean speed within 0.5 s before and after each pose [m/s].
+/// Mean speed over the last second up to each pose [m/s], as the pictures state it.
 std::vector<double> speedsOf(const std::vector<Stamped<Pose>>& path) {
   std::vector<double> speeds;
-  for (std::size_t i = 0, low = 0, high = 0; i < path.size(); ++i) {
-    while (path[i].time - path[low].time > 0.5) ++low;
-    while (high + 1 < path.size() && path[high].time - path[i].time < 0.5) ++high;
-    const double time = path[high].time - path[low].time;
-    const double way =
-        (path[high].value.translation() - path[low].value.translation()).head<2>().norm();
+  for (std::size_t i = 0, first = 0; i < path.size(); ++i) {
+    while (path[i].time - path[first + 1].time >= 1.0) ++first;
+    const double time = path[i].time - path[first].time;
+    const double way = (path[i].value.translation() - path[first].value.translation()).norm();
     speeds.push_back(time > 0.0 ? way / time : 0.0);
   }
   return speeds;
@@ -337,7 +344,8 @@ std::string timeline(const ReplayFolder& folder) {
   }
   html += timeAxis(span) + "</div>";
   if (omitted > 0) {
-    html += "<p class=\"note\">" + grouped(omitted) + " shorter tracks are omitted.</p>";
+    html += "<p class=\"note\">" + counted(omitted, "shorter track") +
+            (omitted == 1 ? " is" : " are") + " omitted.</p>";
   }
   return html;
 }
@@ -345,8 +353,12 @@ std::string timeline(const ReplayFolder& folder) {
 std::string activityPlots(const ReplayFolder& folder) {
   if (folder.trajectory.size() < 2) return "";
   const TimeSpan span = spanOf(folder);
-  std::string html = "<div class=\"plots\">" +
-                     areaPlot("Speed of the robot", "m/s", speedsOf(folder.trajectory), 1, span);
+  const std::vector<double> speeds = speedsOf(folder.trajectory);
+  std::string html =
+      "<div class=\"plots\">" +
+      areaPlot("Speed of the robot [m/s], mean over the last second",
+               fixed(*std::max_element(speeds.begin(), speeds.end()), 1) + "\u202fm/s", speeds,
+               span);
   std::map<double, double> counts;
   for (const auto& pose : folder.trajectory) counts[pose.time] = 0.0;
   for (const auto& history : folder.tracks) {
@@ -354,7 +366,11 @@ std::string activityPlots(const ReplayFolder& folder) {
   }
   std::vector<double> tracks;
   for (const auto& [time, count] : counts) tracks.push_back(count);
-  if (!folder.tracks.empty()) html += areaPlot("Tracks at a time", "tracks", tracks, 0, span);
+  if (!folder.tracks.empty()) {
+    const double most = *std::max_element(tracks.begin(), tracks.end());
+    html += areaPlot("Tracks at a time", counted(static_cast<std::size_t>(most), "track"), tracks,
+                     span);
+  }
   return html + "</div>";
 }
 
@@ -369,6 +385,9 @@ std::string timingBars(const ReplayFolder& folder) {
   for (const auto& [name, times] : stages->items()) {
     html += stageBar(name, times.value("median", 0.0), times.value("p95", 0.0), max_ms);
   }
+  html += "<div class=\"row axis\"><span></span><div class=\"ticks\"><span>0 ms</span><span>" +
+          fixed(0.5 * max_ms, 1) + " ms</span><span>" + fixed(max_ms, 1) +
+          " ms</span></div><span></span></div>";
   return html + "</div>";
 }
 

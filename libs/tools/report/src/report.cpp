@@ -53,13 +53,16 @@ figure{margin:0}.pictures figure:first-child:nth-last-child(odd){grid-column:1/-
 figcaption{color:var(--dim);font-size:.85rem;margin:5px 0 0}
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr));gap:20px;margin:0 0 20px}
 .area svg{height:90px;border-bottom:1px solid var(--line)}.area figcaption{margin:0 0 6px}
+.area{display:grid;grid-template-columns:auto 1fr;gap:0 8px}.area figcaption{grid-column:1/-1}.area .ticks{grid-column:2}
+.heights{display:flex;flex-direction:column;justify-content:space-between;text-align:right;color:var(--dim);font-size:.8rem;line-height:1;margin:-.4rem 0}
+.lines{stroke:var(--line);fill:none;vector-effect:non-scaling-stroke}
 .fill{fill:var(--pale);opacity:.55}.curve{fill:none;stroke:var(--accent);stroke-width:2;vector-effect:non-scaling-stroke}
 .ticks{display:flex;justify-content:space-between;color:var(--dim);font-size:.8rem}
 .row{display:grid;grid-template-columns:118px 1fr;gap:12px;align-items:center}
 .row .name{font-size:.8rem;color:var(--dim);text-align:right;white-space:nowrap;overflow:hidden;text-overflow:ellipsis}
 .timeline svg{height:12px;background:linear-gradient(var(--line),var(--line)) center/100% 1px no-repeat}
 .timeline .row{min-height:18px}
-.timings .row{grid-template-columns:118px 1fr 118px;margin:7px 0}.timings .name{font-size:.9rem;color:var(--text)}
+.timings .row{grid-template-columns:118px 1fr 118px;margin:7px 0}.timings .axis{margin:0}.timings .name{font-size:.9rem;color:var(--text)}
 .stage{height:18px}.p95{fill:var(--pale)}.median{fill:var(--accent)}
 .figures{font-size:.85rem;color:var(--dim);white-space:nowrap;font-variant-numeric:tabular-nums}
 .scroll{overflow-x:auto}table{border-collapse:collapse;width:100%;font-size:.93rem}
@@ -116,16 +119,23 @@ std::string table(const std::string& rows) {
 /// Explanation of a reason for dropping a detection or skipping an observation.
 std::string meaningOf(const std::string& reason) {
   static const std::map<std::string, std::string> kMeanings = {
+      {"bad_calibration", "observation whose calibration is not usable"},
+      {"bad_covariance", "detection whose uncertainty is not usable"},
+      {"bad_detections_pose", "boxes whose sensor pose is not finite"},
+      {"bad_imu", "inertial measurement with values that are not finite"},
+      {"bad_odometry", "odometry with values that are not finite"},
       {"bad_pose", "pose with values that are not finite"},
       {"behind_camera", "box behind the camera"},
       {"broken_depth", "depth image that cannot be read"},
       {"broken_image", "image that cannot be decoded"},
       {"camera_lost", "frame without a camera pose"},
+      {"camera_motion_unsure", "frame whose camera motion is too uncertain to find motion in it"},
       {"depth_size", "size of the depth image differs from the calibration"},
       {"dont_care", "marked DontCare"},
       {"duplicate", "second box of the same object"},
       {"image_16_bit", "image with 16 bits per channel"},
       {"image_size", "image size differs from the calibration"},
+      {"implausible_object", "region that moves, but not as a person or vehicle could"},
       {"load_shed", "far box left out because frames took too long"},
       {"low_score", "score below the threshold"},
       {"missing_depth", "file of the depth image not found"},
@@ -135,6 +145,8 @@ std::string meaningOf(const std::string& reason) {
       {"no_intensity_image", "depth image without an intensity image"},
       {"no_right_image", "stereo observation with a single image"},
       {"no_time", "observation without a time"},
+      {"part_of_other", "region that belongs to another detection"},
+      {"pose_jump", "pose too far from the one before"},
       {"time_backwards", "time not after the previous one"},
       {"too_far", "box beyond the maximum range"},
       {"truth", "truth, used for evaluation only"},
@@ -197,26 +209,26 @@ std::string warnings(const ReplayFolder& folder) {
   if (found != folder.summary.end() && found->is_object()) {
     for (const auto& [name, warning] : found->items()) {
       html += "<p class=\"warning\">From frame " + grouped(countAt(warning, "first_frame")) + ", " +
-              grouped(countAt(warning, "count")) +
-              " times: " + escaped(warning.value("text", std::string(name))) + "</p>";
+              counted(countAt(warning, "count"), "time") + ": " +
+              escaped(warning.value("text", std::string(name))) + "</p>";
     }
   }
   const std::size_t unreliable = countAt(folder.summary, "frames_unreliable");
   if (unreliable > 0) {
-    html += "<p class=\"warning\">Camera's pose unreliable in " + grouped(unreliable) +
-            " frames: " + framesText(folder, "unreliable_frames") + "</p>";
+    html += "<p class=\"warning\">Camera's pose unreliable in " + counted(unreliable, "frame") +
+            ": " + framesText(folder, "unreliable_frames") + "</p>";
   }
   const std::size_t apart = countAt(folder.summary, "frames_tracked_in_new_submap");
   if (apart > 0) {
     html +=
         "<p class=\"warning\">Camera tracked in a new submap, whose place in the map was not "
         "known, in " +
-        grouped(apart) + " frames: " + framesText(folder, "new_submap_frames") + "</p>";
+        counted(apart, "frame") + ": " + framesText(folder, "new_submap_frames") + "</p>";
   }
   const std::size_t lost = countAt(folder.summary, "frames_lost");
   if (lost > 0) {
-    html += "<p class=\"warning\">Camera lost in " + grouped(lost) +
-            " frames: " + framesText(folder, "lost_frames") + "</p>" + lostImage(folder);
+    html += "<p class=\"warning\">Camera lost in " + counted(lost, "frame") + ": " +
+            framesText(folder, "lost_frames") + "</p>" + lostImage(folder);
   }
   return html;
 }
@@ -230,8 +242,10 @@ std::string titleBlock(const ReplayFolder& folder) {
   std::string details = escaped(rawlog);
   const std::string detections = recordedText(folder, "detections");
   if (!detections.empty()) details += "<br>detections: " + escaped(detections);
-  const std::string rectification = textAt(folder.summary, "rectification");
-  if (!rectification.empty()) details += "<br>" + escaped(rectification);
+  const auto rig = folder.summary.find("rig");
+  if (rig != folder.summary.end() && rig->is_object()) {
+    details += "<br>" + escaped(textAt(*rig, "text"));
+  }
   const auto georeference = folder.summary.find("georeference");
   if (georeference != folder.summary.end() && georeference->is_object()) {
     details += "<br>" + escaped(textAt(*georeference, "text"));
@@ -246,13 +260,15 @@ std::string summaryTiles(const ReplayFolder& folder) {
   html += tile(
       "Frames tracked",
       grouped(countAt(s, "frames_tracked")) + "<i> of " + grouped(countAt(s, "frames")) + "</i>",
-      grouped(countAt(s, "frames_lost")) + " lost");
+      grouped(countAt(s, "frames_lost")) + " lost, without a pose of the camera");
   html += tile("Path", fixed(pathLength(folder.trajectory), 1) + "<i> m</i>",
-               grouped(countAt(s, "loops")) + " loops closed");
-  html += tile("Map", grouped(countAt(s, "landmarks")) + "<i> landmarks</i>",
-               grouped(countAt(s, "keyframes")) + " keyframes");
+               counted(countAt(s, "loops"), "loop") + " closed at places seen before");
+  const std::size_t landmarks = countAt(s, "landmarks");
+  html +=
+      tile("Map", grouped(landmarks) + (landmarks == 1 ? "<i> landmark</i>" : "<i> landmarks</i>"),
+           "points of the map, seen from " + counted(countAt(s, "keyframes"), "keyframe"));
   html += tile("Moving objects", grouped(countAt(s, "tracks_moving")) + "<i> moving</i>",
-               grouped(countAt(s, "tracks_confirmed")) + " tracks confirmed");
+               "at some time, of " + counted(countAt(s, "tracks_confirmed"), "confirmed track"));
   html += tile("Time per frame", fixed(numberAt(s, "frame_ms_median"), 1) + "<i> ms</i>",
                "95 % below " + fixed(numberAt(s, "frame_ms_p95"), 1) + " ms, maximum " +
                    fixed(numberAt(s, "frame_ms_max"), 1) + " ms");
@@ -265,7 +281,7 @@ std::string summaryTiles(const ReplayFolder& folder) {
 std::string errorsSection(const std::vector<Figure>& errors) {
   if (errors.empty()) return "";
   std::string rows;
-  for (const auto& error : errors) rows += row(error.name, escaped(error.value), "");
+  for (const auto& error : errors) rows += row(error.name, escaped(error.value), error.meaning);
   return section("errors", "Against the truth", "", table(rows));
 }
 
@@ -313,15 +329,22 @@ std::string calibrationSection(const ReplayFolder& folder) {
       row("Vertical disparity", fixed(vertical, 2) + " px", assessment) +
       row("Median disparity", fixed(numberAt(*report, "median_disparity_px"), 1) + " px",
           "of the matches in the first image pair") +
-      row("Matches", grouped(countAt(*report, "matches")), "used for these figures") +
+      row("Matches", grouped(countAt(*report, "matches")),
+          "points of the first left image found in the right one, used for these figures") +
       row("Rectified by headway", report->value("rectified_here", false) ? "yes" : "no",
           "no: the recorded images are rectified");
+  const std::string rectification = textAt(folder.summary, "rectification");
+  if (!rectification.empty()) {
+    rows += row("Over the run", "", rectification);
+  }
   return section("calibration", "Calibration", "Measured in the images.", table(rows));
 }
 
 std::string droppedSection(const ReplayFolder& folder) {
-  const std::string used =
-      "<p>" + grouped(countAt(folder.summary, "detections_used")) + " detections were used.</p>";
+  const std::size_t count = countAt(folder.summary, "detections_used");
+  const std::string used = "<p>" + counted(count, "detection") + (count == 1 ? " was" : " were") +
+                           " used: boxes of the recording or of a detector, which tracks are made "
+                           "of. Not used, by reason:</p>";
   return section("dropped", "Dropped input", "",
                  used + "<h3>Detections</h3>" +
                      countsTable(folder.summary.value("detections_dropped", Json::object())) +
@@ -339,8 +362,8 @@ std::string configurationSection(const ReplayFolder& folder) {
     for (const auto& [key, value] : values.items()) {
       rows += row(key, escaped(value.is_string() ? value.get<std::string>() : value.dump()), "");
     }
-    html += "<details><summary>[" + escaped(name) + "] " + grouped(values.size()) +
-            " parameters</summary>" + table(rows) + "</details>";
+    html += "<details><summary>[" + escaped(name) + "] " + counted(values.size(), "parameter") +
+            "</summary>" + table(rows) + "</details>";
   }
   return section("configuration", "Configuration", "", html);
 }
@@ -387,15 +410,17 @@ std::string tracksSection(const ReplayFolder& folder) {
   const std::string rows = timeline(folder);
   return section("tracks", "Tracks over time",
                  rows.empty() ? ""
-                              : "Opaque: detected. Translucent: predicted without a detection. "
-                                "Thick: moving.",
+                              : "One row for each track. Opaque: detected. Translucent: predicted "
+                                "without a detection. Thick: moving.",
                  activityPlots(folder) + rows);
 }
 
 std::string timingsSection(const ReplayFolder& folder) {
   const std::string bars = timingBars(folder);
   if (bars.empty()) return "";
-  return section("timings", "Processing time per stage", "Median and 95th percentile.", bars);
+  return section(
+      "timings", "Processing time per stage",
+      "Median (dark) and 95th percentile (pale) over the frames; stages run concurrently.", bars);
 }
 
 std::string pageOf(const ReplayFolder& folder, const ReportOptions& options) {

@@ -403,11 +403,11 @@ cv::Rect drawCaption(Canvas& canvas, const SnapshotInput& input) {
   const auto moving = std::count_if(shown.begin(), shown.end(),
                                     [](const Track* track) { return isMoving(*track); });
   const double start = input.path.empty() ? input.time : input.path.front().time;
-  const std::string first =
-      formatted("%.2f s", input.time - start) + "   " + formatted("%.1f m/s", speedOf(input.path));
-  const std::string second = "frame " + std::to_string(input.frame) + "   " +
-                             std::to_string(shown.size()) + " tracks, " + std::to_string(moving) +
-                             " moving";
+  const std::string first = formatted("%.2f s", input.time - start) + "   " +
+                            formatted("%.1f m/s over 1 s", speedOf(input.path));
+  const std::string second =
+      "frame " + std::to_string(input.frame) + "   " + std::to_string(shown.size()) +
+      (shown.size() == 1 ? " track, " : " tracks, ") + std::to_string(moving) + " moving";
   const int margin = canvas.px(kMargin);
   const int width =
       std::max(canvas.textSize(first, 15.0).width, canvas.textSize(second, kTextPoints).width);

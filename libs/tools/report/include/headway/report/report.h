@@ -10,8 +10,9 @@ namespace headway::report {
 
 /// A named figure, such as an error against the truth.
 struct Figure {
-  std::string name;   ///< "ATE RMSE"
-  std::string value;  ///< including the unit: "0.043 m"
+  std::string name;          ///< "ATE RMSE"
+  std::string value;         ///< including the unit: "0.043 m"
+  std::string meaning = {};  ///< what it counts, in a few words
 };
 
 /// What a report contains besides the results.
