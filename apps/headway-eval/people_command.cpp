@@ -12,28 +12,6 @@
 namespace headway::app {
 namespace {
 
-struct PeopleOptions {
-  std::string replay, truth;
-  double reach_m = 0.0;  ///< 0: that of the replay's rig
-  bool quiet = false;
-  Outputs outputs;
-};
-
-bool parsePeople(PeopleOptions& options, int argc, const char** argv) {
-  program::CommandLine line("headway-eval people",
-                            "Counts the people of a simulated world that a replay finds, by "
-                            "distance, walking and standing, and its false rows.");
-  line.positional(options.replay, "REPLAY", "Output folder of headway-replay");
-  line.option(options.truth, 0, "truth", "NAME.truth", "Truth folder written by headway-sim", true);
-  line.option(options.reach_m, 0, "reach", "M",
-              "Distance up to which people count [m]; default: that of the replay's rig");
-  options.outputs.describe(line);
-  if (!line.parse(argc, argv)) return false;
-  options.quiet = line.quiet();
-  options.outputs.requireWritable({options.truth, options.replay});
-  return true;
-}
-
 void report(const eval::PeopleError& error) {
   plot::writeTable(std::cout, tableOf(error));
   std::cout << "\n"
@@ -48,11 +26,20 @@ void report(const eval::PeopleError& error) {
 }  // namespace
 
 int runPeople(int argc, const char** argv) {
-  PeopleOptions options;
-  if (!parsePeople(options, argc, argv)) return program::kDone;
-  const auto error = eval::evaluatePeople(options.truth, options.replay, options.reach_m);
-  if (!options.quiet) report(error);
-  options.outputs.write([&] { return toJson(error); }, [&] { return eval::peoplePlot(error); });
+  std::string replay, truth;
+  double reach_m = 0.0;  // that of the replay's rig
+  Outputs outputs;
+  program::CommandLine line("headway-eval people",
+                            "Counts the people of a simulated world that a replay finds, by "
+                            "distance, walking and standing, and its false rows.");
+  line.positional(replay, "REPLAY", "Output folder of headway-replay");
+  line.option(truth, 0, "truth", "NAME.truth", "Truth folder written by headway-sim", true);
+  line.option(reach_m, 0, "reach", "M",
+              "Distance up to which people count [m]; default: that of the replay's rig");
+  if (!outputs.parse(line, argc, argv, {&truth, &replay})) return program::kDone;
+  const auto error = eval::evaluatePeople(truth, replay, reach_m);
+  if (!outputs.quiet()) report(error);
+  outputs.write([&] { return toJson(error); }, [&] { return eval::peoplePlot(error); });
   return program::kDone;
 }
 

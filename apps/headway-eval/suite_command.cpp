@@ -92,6 +92,7 @@ struct SuiteOptions {
   int jobs = 0;  ///< 0: no jobs, the worlds run in this process
   std::string profile;
   std::optional<std::size_t> frames;
+  double rate_hz = 0.0;  ///< 0: each rig's own
   std::string worlds = "config/worlds";
   std::string folder = "suite";
   std::string kitti;
@@ -111,6 +112,12 @@ void checkTogether(const SuiteOptions& options) {
   if (options.jobs < 0) throw program::UsageError("--jobs must be positive");
   if (!options.profile.empty() && options.jobs == 0) {
     throw program::UsageError("--profile requires --jobs N");
+  }
+  if (options.rate_hz < 0.0 || options.rate_hz > 100.0) {
+    throw program::UsageError("--rate must be between 0 and 100 Hz");
+  }
+  if (options.rate_hz > 0.0 && options.jobs > 0) {
+    throw program::UsageError("--rate excludes --jobs");
   }
   if (options.only_runs && (options.jobs > 0 || !options.kitti.empty())) {
     throw program::UsageError("--only-runs excludes --jobs and --kitti");
@@ -138,6 +145,8 @@ bool parseSuite(SuiteOptions& options, int argc, const char** argv) {
   options.perception.describe(params);
   line.flag(options.quick, 0, "quick", "Use only the first 80 frames of every world");
   line.option(options.frames, 0, "frames", "N", "Use at most the first N frames of every world");
+  line.option(options.rate_hz, 0, "rate", "HZ",
+              "Frames a second instead of each rig's, for the same time");
   line.option(
       options.worlds, 0, "worlds", "DIR",
       "Worlds to simulate: a folder of .ini files, one file, or none; default config/worlds");
@@ -183,9 +192,9 @@ class Suite {
         worlds_(worldSources(files_)) {
     max_frames_ = options.frames;
     if (options.quick) max_frames_ = kQuickFrames;
-    for (const auto& source : worlds_) {
-      const std::size_t frames = framesOf(source);
-      total_ += (1 + rejectionsFor(source).size()) * std::min(frames, max_frames_.value_or(frames));
+    for (auto& source : worlds_) {
+      source.rate_hz = options.rate_hz;
+      total_ += (1 + rejectionsFor(source).size()) * framesOf(source, max_frames_);
     }
   }
 

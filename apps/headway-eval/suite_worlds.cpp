@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <future>
 
@@ -38,6 +39,9 @@ struct WorldSettings {
     if (!source.rig.empty()) sim::applyRig(source.rig, values.camera);
     auto& frames = values.recording.frames;
     if (max_frames) frames = std::min(frames, static_cast<int>(*max_frames));
+    if (source.rate_hz <= 0.0) return;
+    frames = static_cast<int>(std::lround(frames * source.rate_hz / values.camera.rate_hz));
+    values.camera.rate_hz = source.rate_hz;
   }
   WorldSettings(const WorldSettings&) = delete;
   WorldSettings& operator=(const WorldSettings&) = delete;
@@ -186,8 +190,8 @@ std::vector<WorldSource> worldSources(const std::vector<std::string>& files) {
   return sources;
 }
 
-std::size_t framesOf(const WorldSource& source) {
-  return static_cast<std::size_t>(WorldSettings(source).values.recording.frames);
+std::size_t framesOf(const WorldSource& source, std::optional<std::size_t> max_frames) {
+  return static_cast<std::size_t>(WorldSettings(source, max_frames).values.recording.frames);
 }
 
 World simulateWorld(const WorldSource& source, const std::string& folder,

@@ -30,6 +30,7 @@ struct WorldSource {
   std::string ini;
   std::string rig;             ///< a name of sim::rigNames(); empty: the file's own
   bool all_rejections = true;  ///< false: only dynamic_rejection = both
+  double rate_hz = 0.0;        ///< frames a second, for the same time; 0: the rig's
 };
 
 /// The worlds of some files. Streets have the file's own rig; hall, campus and warehouse come once
@@ -52,7 +53,7 @@ using FrameDone = std::function<bool()>;
 
 /// Simulates a world into a rawlog with truth.
 ///
-/// @param max_frames  maximum number of frames
+/// @param max_frames  maximum number of frames at the rig's own rate
 /// @throws InputError naming file and key of an error in the .ini
 [[nodiscard]] World simulateWorld(const WorldSource& source, const std::string& folder,
                                   std::optional<std::size_t> max_frames, const FrameDone& done);
@@ -64,8 +65,11 @@ using FrameDone = std::function<bool()>;
                                                  const std::string& folder,
                                                  std::optional<std::size_t> max_frames);
 
-/// Number of frames requested by a world's .ini.
-[[nodiscard]] std::size_t framesOf(const WorldSource& source);
+/// Number of frames requested by a world's .ini, at the source's rate.
+///
+/// @param max_frames  maximum number of frames at the rig's own rate
+[[nodiscard]] std::size_t framesOf(const WorldSource& source,
+                                   std::optional<std::size_t> max_frames);
 
 /// Result of a run over a world.
 struct WorldRun {

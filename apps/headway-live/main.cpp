@@ -12,6 +12,8 @@
 #include <headway/program/files.h>
 #include <headway/program/progress.h>
 #include <mrpt/config/CConfigFile.h>
+#include <mrpt/obs/CObservationImage.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/system/os.h>
 
 #include <algorithm>

@@ -28,7 +28,6 @@ struct ExampleParams {
     section.add("colour", colour, {{"red", Colour::kRed}, {"blue", Colour::kBlue}}, "Its colour");
     section.renamed("share", "ratio");
     section.renamed("frame_count", "count");
-    section.renamed("percent", "ratio", 100.0);
   }
 };
 
@@ -130,15 +129,6 @@ TEST_F(ParamsTest, AFormerKeySetsTheValueWithOneWarning) {
   std::ostringstream text;
   params.print(text);
   EXPECT_THAT(text.str(), ::testing::Not(HasSubstr("share =")));
-}
-
-TEST_F(ParamsTest, AFormerKeyMayHaveAnotherUnit) {
-  using ::testing::ElementsAre;
-  using ::testing::HasSubstr;
-  params.set("example.percent=30");
-  EXPECT_EQ(0.3, values.ratio);
-  EXPECT_THAT(params.warnings(), ElementsAre(HasSubstr("1 of which is 100 of the former unit")));
-  EXPECT_THAT(errorOfLoading("[example]\npercent = half\n"), HasSubstr("is not a number"));
 }
 
 TEST_F(ParamsTest, PrintsUserKeysThenExpertKeys) {

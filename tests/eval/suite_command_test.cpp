@@ -102,6 +102,19 @@ TEST_F(SuiteCommandTest, ReusesARecordingOfTheSameWorld) {
   EXPECT_NE(drawn_at, std::filesystem::last_write_time(rawlog)) << "another world, the same name";
 }
 
+TEST_F(SuiteCommandTest, AnotherRateKeepsTheTime) {
+  const std::string out = folder_ / "out";
+  const auto result = runEval("suite -q --rate 20 --frames 3 --worlds " + world() + " -o " + out);
+  ASSERT_EQ(0, result.status) << result.error;
+  std::istringstream rows(contentOf(out + "/tiny.truth/trajectory.tum"));
+  std::vector<double> times;
+  for (std::string row; std::getline(rows, row);) times.push_back(std::stod(row));
+  ASSERT_EQ(6U, times.size()) << "3 frames at 10 Hz";
+  EXPECT_NEAR(0.25, times.back() - times.front(), 1e-6);
+  EXPECT_EQ(2, runEval("suite --rate -1 -o " + out).status);
+  EXPECT_EQ(2, runEval("suite --rate 5 --jobs 2 -o " + out).status);
+}
+
 TEST_F(SuiteCommandTest, NothingToEvaluateIsAUsageError) {
   EXPECT_EQ(2, runEval("suite --worlds none -o " + std::string(folder_ / "out")).status);
   EXPECT_EQ(2, runEval("suite --degrade x.ini -o " + std::string(folder_ / "out")).status);

@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs `headway-eval suite` at several frame rates and compares the figures with those at 10 Hz.
+
+    rates.py BIN OUT [--worlds DIR] [--frames N] [--rates 5,10,15,30]
+
+Prints a row for each figure. The status is 1 if a figure is more than 15 % worse than at 10 Hz and by more than what it
+can be measured to, unless LIMITS says what physics asks for at that rate.
+"""
+import argparse
+import json
+import subprocess
+import sys
+
+# name: (path in the figures of a world, resolution)
+FIGURES = {
+    "ATE [m]": (("camera", "both", "ate_rmse_m"), 0.01),
+    "lost frames [s]": (("camera", "both", "frames_lost"), 0.2),
+    "objects [m]": (("objects", "ours", "all", "rmse_m"), 0.02),
+    "prediction ADE [m]": (("predictions_on_tracks", "mixture", "all", "ade_m"), 0.05),
+}
+# (figure, rate): the physical limit that the table names instead of a failure.
+LIMITS = {
+    ("ATE [m]", 5): "twice the motion between frames",
+    ("lost frames [s]", 5): "turns of 18 degrees between frames at 90 degrees/s",
+}
+MAX_WORSE = 1.15
+REFERENCE_HZ = 10
+
+
+def value(figures, path):
+    for key in path:
+        if not isinstance(figures, dict) or key not in figures:
+            return None
+        figures = figures[key]
+    return figures
+
+
+def suite(options, rate):
+    folder = f"{options.out}/{rate}hz"
+    path = f"{options.out}/{rate}hz.json"
+    command = [f"{options.bin}/headway-eval", "suite", "-q", "-w", "--reuse", "--rate", str(rate), "--frames",
+               str(options.frames), "--worlds", options.worlds, "-o", folder, "--json", path]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("bin")
+    parser.add_argument("out")
+    parser.add_argument("--worlds", default="config/worlds")
+    parser.add_argument("--frames", type=int, default=120, help="at the rig's own rate")
+    parser.add_argument("--rates", default="5,10,15,30")
+    options = parser.parse_args()
+    rates = [int(rate) for rate in options.rates.split(",")]
+    subprocess.run(["mkdir", "-p", options.out], check=True)
+    results = {rate: suite(options, rate) for rate in sorted({REFERENCE_HZ, *rates})}
+    print("| world | figure | " + " | ".join(f"{rate} Hz" for rate in rates) + " |")
+    print("| --- | --- |" + " ---: |" * len(rates))
+    worse = 0
+    for world in results[REFERENCE_HZ]:
+        for name, (path, resolution) in FIGURES.items():
+            figures = {rate: value(results[rate].get(world, {}), path) for rate in results}
+            if name.startswith("lost"):
+                figures = {rate: lost if lost is None else lost / rate for rate, lost in figures.items()}
+            reference = figures[REFERENCE_HZ]
+            if reference is None:
+                continue
+            cells = []
+            for rate in rates:
+                figure = figures[rate]
+                is_worse = figure is None or (figure > MAX_WORSE * reference and figure > reference + resolution)
+                note = ""
+                if is_worse and (name, rate) in LIMITS:
+                    note = f" ({LIMITS[name, rate]})"
+                elif is_worse:
+                    note = " **worse**"
+                    worse += 1
+                cells.append(("-" if figure is None else f"{figure:.3f}") + note)
+            print(f"| {world} | {name} | " + " | ".join(cells) + " |")
+    print(f"\n{worse} figures are more than 15 % worse than at {REFERENCE_HZ} Hz")
+    return 1 if worse else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
