@@ -12,6 +12,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -28,7 +29,7 @@ from headway_fleet.errors import FleetError  # noqa: E402
 from headway_fleet.files import publish, write_atomically  # noqa: E402
 from headway_fleet.job import RECORD, failure_record, run_job, stamp  # noqa: E402
 from headway_fleet.lock import locked  # noqa: E402
-from headway_fleet.page import SCRIPT, STYLE, page  # noqa: E402
+from headway_fleet.page import COLUMNS, SCRIPT, STYLE, page  # noqa: E402
 from headway_fleet.plan import (Job, Plan, Resources, Settings, recording_jobs,  # noqa: E402
                                 result_folder)
 from headway_fleet.recordings import Recording, find_recordings, read_list  # noqa: E402
@@ -428,6 +429,28 @@ class PageTest(InFolder):
         texts = Reader(page("t", rows, [], self.folder, None)).texts
         self.assertLess(texts.index("is not a rawlog"), texts.index("good"))
         self.assertIn("1 failed", texts)
+
+    def test_all_columns_fit_a_window_of_1280_pixels(self) -> None:
+        if shutil.which("chromium") is None:
+            self.skipTest("chromium is not installed")
+        figures = {name: 1234.5 / factor ** 2 for _, name, _, factor in COLUMNS[:11]}
+        name = "rgbd_dataset_freiburg3_long_office_household"
+        for file in ("top_small.png", "follow_small.png", "report.html", "replay.html",
+                     "trajectory.tum", "tracks.csv", "map.headway"):
+            self.write(f"recordings/{name}/{file}")
+        row = Row(name, "tum-rgbd", DONE, folder=f"recordings/{name}", log="log", place="yard north",
+                  seconds=73.0, figures=figures, notes=("boxes missing in 3 frames",))
+        self.write("fleet.html", page("t", [row], [row], self.folder, 31.0))
+        self.write("window.html", "<iframe id=f src='fleet.html' width=1280 height=900 "
+                   "style='border:0' onload=\"document.title = 'wide: ' + "
+                   "[...f.contentDocument.querySelectorAll('html, section')].filter("
+                   "e => e.scrollWidth > e.clientWidth).map(e => e.scrollWidth)\"></iframe>")
+        shown = subprocess.run(
+            ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom",
+             "--allow-file-access-from-files", "--virtual-time-budget=5000", "--timeout=60000",
+             f"--user-data-dir={self.folder}/profile", f"file://{self.folder}/window.html"],
+            capture_output=True, text=True, timeout=120, check=True)
+        self.assertIn("<title>wide: </title>", shown.stdout)
 
     def test_pictures_are_linked_where_they_are(self) -> None:
         self.write("recordings/a-1/top_small.png")

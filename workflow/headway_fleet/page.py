@@ -32,19 +32,19 @@ margin:18px 0;overflow-x:auto}
 .tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(140px,1fr));gap:12px;margin:18px 0}
 .tile{background:var(--card);border:1px solid var(--line);border-radius:12px;padding:12px 16px}
 .tile b{display:block;font-size:1.5rem;font-weight:650}.tile span{color:var(--dim);font-size:.85rem}
-table{border-collapse:collapse;width:100%;font-size:.9rem}
-th,td{text-align:left;padding:6px 10px;border-bottom:1px solid var(--line);vertical-align:top}
-td.number,th.number{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
-th button{all:unset;cursor:pointer;font-weight:600;white-space:nowrap}
+table{border-collapse:collapse;width:100%;font-size:.85rem}
+th,td{text-align:left;padding:6px 5px;border-bottom:1px solid var(--line);vertical-align:top}
+td.number,th.number{text-align:right;font-variant-numeric:tabular-nums}td.number{white-space:nowrap}
+th{vertical-align:bottom}th button{all:unset;cursor:pointer;font-weight:600}
 th button:focus-visible{outline:2px solid var(--accent)}
 th[aria-sort=ascending] button::after{content:" ▲"}
 th[aria-sort=descending] button::after{content:" ▼"}
-td.cause,td.name{overflow-wrap:anywhere;min-width:12ch}td.name{font-weight:600}
+td.cause,td.name{overflow-wrap:anywhere;min-width:18ch}td.name{font-weight:600}
 tr.failed td{background:var(--badground)}tr.failed .status,.failures b{color:var(--bad)}
 td small{display:block;color:var(--dim);font-weight:400}
-a{color:var(--accent)}img{display:inline-block;width:128px;height:96px;border-radius:6px;
+a{color:var(--accent)}img{display:inline-block;width:72px;height:54px;border-radius:6px;
 background:var(--line);object-fit:cover}
-td.pictures{white-space:nowrap}
+td.pictures{width:86px}
 @media(max-width:560px){main{padding:14px 10px 40px}section{padding:12px}}
 """
 SCRIPT = """
@@ -78,7 +78,7 @@ COLUMNS: tuple[tuple[str, str, int, float], ...] = (
     ("ATE m", "ate_rmse_m", 3, 1.0), ("drift %", "drift_percent", 2, 1.0),
     ("loops", "loops", 0, 1.0), ("moving", "moving_tracks", 0, 1.0),
     ("recall %", "movers_recall", 1, 100.0), ("precision %", "movers_precision", 1, 100.0),
-    ("ms/frame", "frame_ms_median", 1, 1.0), ("memory MB", "peak_memory_mb", 0, 1.0),
+    ("ms a frame", "frame_ms_median", 1, 1.0), ("memory MB", "peak_memory_mb", 0, 1.0),
     ("joined", "recordings_joined", 0, 1.0), ("of", "recordings", 0, 1.0),
     ("keyframes", "keyframes", 0, 1.0), ("recognised", "keyframes_recognised", 0, 1.0))
 
@@ -147,16 +147,16 @@ def _table(rows: Sequence[Row], out: Path, members: bool = False) -> str:
                if any(row.figures.get(column[1]) is not None for row in rows)]
     group = "recordings" if members else "place" if any(row.place for row in rows) else ""
     heads = [("name", False), ("", False), ("status", False), *([(group, False)] if group else []),
-             *((heading, True) for heading, _, _, _ in columns), ("seconds", True), ("", False)]
+             *((heading, True) for heading, _, _, _ in columns), ("seconds", True)]
     head = "".join(_head(text, number) for text, number in heads)
     lines = []
     for row in rows:
-        cells = [_name(row), f"<td class=\"pictures\">{_pictures(row, out)}</td>", _status(row)]
+        cells = [_name(row, out), f"<td class=\"pictures\">{_pictures(row, out)}</td>", _status(row)]
         if group:
             cells.append(f"<td>{escape(row.source if members else row.place)}</td>")
         cells += [_number(_scaled(row.figures.get(figure), factor), decimals)
                   for _, figure, decimals, factor in columns]
-        cells += [_number(row.seconds, 0), f"<td>{_links(row, out)}</td>"]
+        cells.append(_number(row.seconds, 0))
         lines.append(f"<tr class=\"{escape(row.status)}\">{''.join(cells)}</tr>")
     return (f"<table class=\"sortable\"><thead><tr>{head}</tr></thead>"
             f"<tbody>{''.join(lines)}</tbody></table>")
@@ -167,8 +167,9 @@ def _head(text: str, number: bool) -> str:
     return f"<th{' class=number' if number else ''}>{button}</th>"
 
 
-def _name(row: Row) -> str:
-    return f"<td class=\"name\">{escape(row.name)}<small>{escape(row.kind)}</small></td>"
+def _name(row: Row, out: Path) -> str:
+    return (f"<td class=\"name\">{escape(row.name)}<small>{escape(row.kind)}</small>"
+            f"<small>{_links(row, out)}</small></td>")
 
 
 def _status(row: Row) -> str:
