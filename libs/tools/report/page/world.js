@@ -105,7 +105,7 @@ class World {
     const path = replay.frames.map(({pose: [x, y, z]}) => this.onGround(x, y, z + replay.ground));
     const half = kPathHalfWidthM * scale;
     this.driven = ribbon(path, half, '#5aa9e6', 0.95);
-    this.layer('path').add(ribbon(path, half, '#5aa9e6', 0.22), this.driven);
+    this.layer('path').add(ribbon(path, half, '#5aa9e6', 0.35), this.driven);
     this.layer('keyframes').add(makeKeyframes(replay.keyframes, replay.camera, scale));
     if (replay.truth) {
       const truth = replay.truth.path.map(([x, y, z]) => this.onGround(x, y, z + replay.ground + 0.02));
