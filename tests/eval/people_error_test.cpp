@@ -33,7 +33,7 @@ Track boxAt(std::int64_t id, ObjectClass object_class, double x, double y, bool 
 constexpr auto kPerson = ObjectClass::kPedestrian;
 constexpr auto kSitting = ObjectClass::kPersonSitting;
 
-PeopleError errorOf(const std::vector<PeopleFrame>& frames) {
+PeopleError peopleErrorOf(const std::vector<PeopleFrame>& frames) {
   return peopleError(frames, forwardCamera(), {});
 }
 
@@ -63,7 +63,7 @@ std::vector<PeopleFrame> twoSeconds() {
 }
 
 TEST(PeopleErrorTest, CountsPersonFramesFromWhenTheyHaveBeenInViewForAWhile) {
-  const auto error = errorOf(twoSeconds());
+  const auto error = peopleErrorOf(twoSeconds());
   EXPECT_EQ(error.frames, 20u);
   ASSERT_EQ(error.walking.size(), 1u) << "behind the robot and beyond the reach nobody counts";
   const auto& walking = error.walking.at("1.5-3");
@@ -80,7 +80,7 @@ TEST(PeopleErrorTest, CountsPersonFramesFromWhenTheyHaveBeenInViewForAWhile) {
 }
 
 TEST(PeopleErrorTest, CountsFalseRowsOfAnyClassAndFalseMovingTracks) {
-  const auto error = errorOf(twoSeconds());
+  const auto error = peopleErrorOf(twoSeconds());
   EXPECT_EQ(error.rows, 10u + 6u + 10u + 20u) << "without coasting ones";
   EXPECT_EQ(error.false_rows, 10u);
   EXPECT_EQ(error.person_rows, 5u + 6u + 10u);
@@ -92,7 +92,7 @@ TEST(PeopleErrorTest, CountsFalseRowsOfAnyClassAndFalseMovingTracks) {
 }
 
 TEST(PeopleErrorTest, GivesWilsonsInterval) {
-  const auto interval = errorOf(twoSeconds()).walking.at("1.5-3").interval();
+  const auto interval = peopleErrorOf(twoSeconds()).walking.at("1.5-3").interval();
   ASSERT_TRUE(interval);
   EXPECT_NEAR((*interval)[0], 0.2800, 1e-4);  // of 8 in 16, R: prop.test(8, 16, correct = FALSE)
   EXPECT_NEAR((*interval)[1], 0.7200, 1e-4);
@@ -109,11 +109,11 @@ TEST(PeopleErrorTest, GivesOneRowToOnePerson) {
                    {boxAt(2, kPerson, 2.0, 0.4, true), 1.0}};
     frame.rows = {boxAt(11, kPerson, 2.0, 0.1, true)};
   }
-  const auto error = errorOf(frames);
+  const auto error = peopleErrorOf(frames);
   EXPECT_EQ(error.all.persons, 32u);
   EXPECT_EQ(error.all.found, 16u);
   for (auto& frame : frames) frame.rows[0].object_class = ObjectClass::kCyclist;
-  EXPECT_EQ(errorOf(frames).all.found, 0u) << "a cyclist is no person";
+  EXPECT_EQ(peopleErrorOf(frames).all.found, 0u) << "a cyclist is no person";
 }
 
 TEST(PeopleErrorTest, TakesAPersonForNewWhoWasOutOfViewForLong) {
@@ -122,19 +122,19 @@ TEST(PeopleErrorTest, TakesAPersonForNewWhoWasOutOfViewForLong) {
     for (int k = first; k < end; ++k) {
       frames[static_cast<std::size_t>(k)].truth[0].visible = 0.0;
     }
-    return errorOf(frames).walking.at("1.5-3").persons;
+    return peopleErrorOf(frames).walking.at("1.5-3").persons;
   };
   EXPECT_EQ(framesWithout(8, 11), 13u) << "hidden for 0.4 s from view to view: the same view";
   EXPECT_EQ(framesWithout(8, 14), 4u + 2u) << "for longer: in view anew from 1.4 s on";
 }
 
 TEST(PeopleErrorTest, IsUndefinedWithoutPeopleAndRows) {
-  const auto error = errorOf({});
+  const auto error = peopleErrorOf({});
   EXPECT_FALSE(error.all.foundRatio());
   EXPECT_FALSE(error.falseRatio());
   EXPECT_FALSE(error.falseTracksPer10Min());
   EXPECT_EQ(tableOf(error).size(), 2u);
-  EXPECT_GT(peoplePlot(errorOf(twoSeconds())).rows, 0);
+  EXPECT_GT(peoplePlot(peopleErrorOf(twoSeconds())).rows, 0);
 }
 
 }  // namespace
