@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kFrames = 20;
+constexpr int kPeopleFrames = 20;
 
 /// A robot that drives at 1 m/s behind a walker 2 m ahead, in a map that is turned by 90 degrees
 /// against the true one, and a replay that finds the walker in every second frame.
@@ -24,7 +24,7 @@ class PeopleCommandTest : public testing::Test {
     std::ostringstream truth, objects, online, kitti, tracks;
     truth << std::fixed << std::setprecision(6);
     online << std::fixed << std::setprecision(6);
-    for (int k = 0; k < kFrames; ++k) {
+    for (int k = 0; k < kPeopleFrames; ++k) {
       const double time = 0.1 * k, x = 0.1 * k;
       truth << time << " " << x << " 0 0 0 0 0 1\n";
       online << time << " 0 " << x << " 0 0 0 0.70710678 0.70710678\n";

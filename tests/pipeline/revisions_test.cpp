@@ -277,7 +277,8 @@ bool warnsOfSpeed(const PreviousFrame& previous, const Pose& T_previous_robot) {
   RecordedFrame frame;
   frame.index = 1;
   frame.time = 0.1;
-  FrameState state(frame, previous);
+  const FrameRate rate;
+  FrameState state(frame, previous, rate);
   state.camera.status = slam::TrackingStatus::kTracked;
   state.camera.revision = {previous.revision + 1, slam::MapChange::kLoop};
   state.camera.T_map_robot = Pose(Eigen::Translation3d(8.0, 0.0, 0.0));  // by the loop
