@@ -86,7 +86,7 @@ SimFrame frameAt(std::size_t index) {
   frame.imu = {{frame.time - 0.01, {0.1, 0.2, 0.3}, {0.0, 0.0, 9.81}},
                {frame.time, {0.1, 0.2, 0.3}, {0.0, 0.0, 9.81}}};
   frame.odometry = OdometrySample{frame.time, 0.5 * static_cast<double>(index), 0.0, 0.0};
-  LaserScan scan;
+  io::RecordedScan scan;
   scan.time = frame.time;
   scan.aperture_rad = 4.7;
   scan.max_range_m = 10.0;

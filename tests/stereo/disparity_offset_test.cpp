@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/stereo/disparity_offset.h>
+#include <headway/stereo/rectification.h>
 
 namespace headway::stereo {
 namespace {

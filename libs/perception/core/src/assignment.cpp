@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Optimal assignment of rows to columns, for tracking and evaluation.
 #include <headway/core/assignment.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Overlap of boxes in images and over the ground.
 #include <headway/core/box_overlap.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// zlib and Zstandard, with bounds on what is unpacked.
 #include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <zlib.h>

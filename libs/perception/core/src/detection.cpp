@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections: boxes of objects as a detector reports them in one frame.
 #include <headway/core/detection.h>
 
 #include <Eigen/Cholesky>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Files that appear whole or not at all, growing files, and replacing a folder of results.
 #include <fcntl.h>
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters with names, units and ranges, bound to the fields of structs.
 #include <headway/core/error.h>
 #include <headway/core/params.h>
 #include <mrpt/config/CConfigFile.h>

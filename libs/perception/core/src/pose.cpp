@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Poses, rotations and the frames of robot and camera.
 #include <headway/core/pose.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Records of which the newest are in memory and all others in a temporary file.
 #include <fcntl.h>
 #include <headway/core/record_log.h>
 #include <unistd.h>

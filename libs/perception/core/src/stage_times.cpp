@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Durations of the stages of a frame, and processor time.
 #include <headway/core/stage_times.h>
 
 #include <ctime>

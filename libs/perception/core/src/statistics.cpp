@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Percentiles, histograms in bounded memory, and the rate of frames.
 #include <headway/core/statistics.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The rectified stereo camera: calibration, projection, triangulation.
 #include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/text.h>

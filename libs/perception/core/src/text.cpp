@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Formatted, printable and naturally sorted texts.
 #include <headway/core/text.h>
 
 #include <cstdarg>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A thread that does work in order, and requests to stop long work.
 #include <headway/core/worker_thread.h>
 
 #include <atomic>

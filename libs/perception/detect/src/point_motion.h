@@ -4,8 +4,8 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
+#include <headway/stereo/rectification.h>
 
 #include <Eigen/Core>
 #include <optional>

@@ -4,7 +4,7 @@
 
 #include <headway/core/record_log.h>
 #include <headway/map/map_file.h>
-#include <headway/stereo/disparity_offset.h>
+#include <headway/stereo/rectification.h>
 
 #include <memory>
 

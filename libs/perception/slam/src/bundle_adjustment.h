@@ -5,7 +5,7 @@
 
 #include <headway/core/stereo_camera.h>
 #include <headway/core/worker_thread.h>
-#include <headway/stereo/disparity_offset.h>
+#include <headway/stereo/rectification.h>
 
 #include <future>
 #include <memory>

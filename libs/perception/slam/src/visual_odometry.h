@@ -5,8 +5,8 @@
 #include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
-#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/pose_refiner.h>
+#include <headway/stereo/rectification.h>
 #include <headway/stereo/stereo_match.h>
 
 #include <optional>

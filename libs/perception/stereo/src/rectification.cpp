@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The right camera's rotation against its calibration: its estimate by rows of matches, and images
-// turned back by it.
+// The right camera's rotation against its calibration: its estimate by rows of matches and by the
+// offset of all disparities, and images rotated back by it.
 #include <headway/core/statistics.h>
 #include <headway/core/text.h>
 #include <headway/stereo/rectification.h>
@@ -12,6 +12,28 @@
 #include <opencv2/imgproc.hpp>
 
 namespace headway::stereo {
+namespace {
+
+constexpr double kWalk_px = 0.03;  ///< in 0.1 s: images of different instants differ in turns
+constexpr double kMaxOffset_px = 4.0;
+
+}  // namespace
+
+void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points, double seconds) {
+  if (static_points.empty()) return;
+  double information = 0.0;
+  double gradient = 0.0;
+  for (const OffsetEvidence& point : static_points) {
+    const double weight = kIndependentRatio / (1.0 + point.fit);
+    information += weight * point.information;
+    gradient += weight * point.gradient;
+  }
+  variance_ += kWalk_px * kWalk_px * (seconds * FrameRate::kAssumed_hz);
+  const double posterior = 1.0 / (1.0 / variance_ + information);
+  value_ = std::clamp(value_ + posterior * gradient, -kMaxOffset_px, kMaxOffset_px);
+  variance_ = posterior;
+}
+
 namespace {
 
 Eigen::Vector2d pixelThrough(const Eigen::Matrix3d& rotation, const Eigen::Vector2d& uv,

@@ -192,11 +192,7 @@ class Recording::Files {
     }
     for (const io::RecordedGnss& fix : frame.gnss) sink_.writeGnss(fix);
     if (frame.place) places_.push_back(*frame.place);
-    if (frame.laser) {
-      const LaserScan& scan = *frame.laser;
-      sink_.writeLaser({scan.time, scan.T_robot_laser, scan.aperture_rad, scan.max_range_m,
-                        scan.sigma_m, scan.ranges});
-    }
+    if (frame.laser) sink_.writeLaser(*frame.laser);
     if (!frame.drops.empty()) writeDrops(folder_ + "/drops.csv", frame.drops);
     writeImages(frame);
     sink_.writeDetections("detections", frame.detections);

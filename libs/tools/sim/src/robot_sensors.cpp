@@ -52,7 +52,7 @@ void LaserScanner::cut(const std::array<Eigen::Vector3d, 3>& triangle,
   if (count == 2) addSegment(ends[0], ends[1], ranges);
 }
 
-LaserScan LaserScanner::scan(Time time, const Pose& T_world_robot,
+io::RecordedScan LaserScanner::scan(Time time, const Pose& T_world_robot,
                              const std::vector<PlacedMesh>& statics,
                              const std::vector<Mesh>& actor_meshes) {
   const Pose T_laser_world = (T_world_robot * T_robot_laser_).inverse();
@@ -69,7 +69,7 @@ LaserScan LaserScanner::scan(Time time, const Pose& T_world_robot,
   };
   for (const PlacedMesh& placed : statics) add(*placed.mesh, placed.anchor);
   for (const Mesh& mesh : actor_meshes) add(mesh, T_world_robot.translation());
-  LaserScan scan;
+  io::RecordedScan scan;
   scan.time = time;
   scan.T_robot_laser = T_robot_laser_;
   scan.aperture_rad = params_.aperture_deg * M_PI / 180.0;

@@ -23,7 +23,7 @@ class LaserScanner {
 
   /// @param statics       static surfaces around the robot
   /// @param actor_meshes  of all actors around, relative to the robot's position
-  [[nodiscard]] LaserScan scan(Time time, const Pose& T_world_robot,
+  [[nodiscard]] io::RecordedScan scan(Time time, const Pose& T_world_robot,
                                const std::vector<PlacedMesh>& statics,
                                const std::vector<Mesh>& actor_meshes);
 

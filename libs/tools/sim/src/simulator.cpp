@@ -59,7 +59,7 @@ class Simulator::Impl {
   [[nodiscard]] std::optional<DrawnFrame> drawNext();
   void draw(DrawnFrame& drawn);
   [[nodiscard]] std::vector<Actor> actorsInView();  ///< with the parked ones
-  [[nodiscard]] LaserScan scanLaser();
+  [[nodiscard]] io::RecordedScan scanLaser();
   /// The right camera in the left one, for one frame.
   [[nodiscard]] Pose bentRig(std::size_t frame) const;
   /// Finishes a frame in a thread of its own, behind the drawing of the next.
@@ -216,7 +216,7 @@ std::vector<Actor> Simulator::Impl::actorsInView() {
   return actors;
 }
 
-LaserScan Simulator::Impl::scanLaser() {
+io::RecordedScan Simulator::Impl::scanLaser() {
   const double reach = params_.laser.max_range_m;
   const auto meshes = actorMeshes(environment_->actors(reach), robotPose().translation());
   return laser_.scan(params_.recording.start_time_s + now_s_, robotPose(),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// How objects look in a frame, by which detectors search for them in later ones.
 #pragma once
 
 #include <headway/core/detection.h>

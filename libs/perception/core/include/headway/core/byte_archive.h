@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Values as bytes of a file and back, each length checked before memory is allocated.
 #pragma once
 
 #include <headway/core/error.h>

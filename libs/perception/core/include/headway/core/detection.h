@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Detections: boxes of objects as a detector reports them in one frame.
 #pragma once
 
 #include <headway/core/ids.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Noise of boxes as detectors have it, added to exact ones.
 #pragma once
 
 #include <headway/core/detection.h>

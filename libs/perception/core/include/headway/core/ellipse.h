@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Ellipses of equal probability of a plane covariance.
 #pragma once
 
 #include <Eigen/Core>

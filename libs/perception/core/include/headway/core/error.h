@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The error for what the environment got wrong: files, parameters, calibrations.
 #pragma once
 
 #include <stdexcept>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Ids of tracks, landmarks and keyframes, which cannot be confused with each other.
 #pragma once
 
 #include <cstdint>

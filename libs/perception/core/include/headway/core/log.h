@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Messages of the libraries, and warnings that count how often a condition occurred.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Regions of an image that belong to moving objects.
 #pragma once
 
 #include <headway/core/detection.h>

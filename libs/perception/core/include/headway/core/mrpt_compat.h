@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What differs between the supported versions of MRPT.
 #pragma once
 
 #include <mrpt/version.h>

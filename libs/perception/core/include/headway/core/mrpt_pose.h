@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Poses to and from those of MRPT.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Classes of objects: names, colours, kinds.
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Rows of an image in several threads.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Parameters with names, units and ranges, bound to the fields of structs.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Random numbers that are the same on every machine.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Records of which the newest are in memory and all others in a temporary file.
 #pragma once
 
 #include <headway/core/pose.h>

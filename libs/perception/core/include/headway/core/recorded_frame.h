@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A frame of a recording or of live sensors, with all that was recorded for it.
 #pragma once
 
 #include <headway/core/detection.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What one frame says about ground, obstacles and surfaces, for the layers of the map.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Long sequences whose copies share what has not changed.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Durations of the stages of a frame, and processor time.
 #pragma once
 
 #include <headway/core/statistics.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The rectified stereo camera: calibration, projection, triangulation.
 #pragma once
 
 #include <headway/core/pose.h>

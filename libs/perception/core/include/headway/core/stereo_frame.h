@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A rectified pair, or an image with depths, and the motion measured since the frame before.
 #pragma once
 
 #include <headway/core/pose.h>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Tracks of objects: state, history and prediction.
 #pragma once
 
 #include <headway/core/detection.h>

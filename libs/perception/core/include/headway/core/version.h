@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The version of headway, from which all others are read.
 #pragma once
 
 namespace headway {

@@ -7,8 +7,8 @@
 #include <headway/core/params.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/core/track.h>
-#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
+#include <headway/stereo/rectification.h>
 
 #include <memory>
 #include <optional>

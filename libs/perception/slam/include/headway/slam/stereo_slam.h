@@ -7,8 +7,8 @@
 #include <headway/core/stage_times.h>
 #include <headway/slam/map_view.h>
 #include <headway/slam/slam_params.h>
-#include <headway/stereo/disparity_offset.h>
 #include <headway/stereo/frame_context.h>
+#include <headway/stereo/rectification.h>
 
 #include <cstdint>
 #include <functional>

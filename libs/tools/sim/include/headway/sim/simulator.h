@@ -43,16 +43,6 @@ struct OdometrySample {
   double x = 0.0, y = 0.0, yaw = 0.0;  ///< [m], [m], [rad]
 };
 
-/// One scan of a 2D laser scanner, at the time of a stereo frame.
-struct LaserScan {
-  Time time = 0.0;
-  Pose T_robot_laser = Pose::Identity();  ///< x forward, scanning in its xy plane
-  double aperture_rad = 0.0;              ///< from the first ray, at the right, to the last
-  double max_range_m = 0.0;
-  double sigma_m = 0.0;       ///< standard deviation of the ranges
-  std::vector<float> ranges;  ///< [m]; 0 where nothing was measured
-};
-
 /// Where the robot is on the earth (WGS 84).
 struct TruePlace {
   Time time = 0.0;
@@ -80,7 +70,7 @@ struct SimFrame {
   Detections detections;
   std::vector<ImuSample> imu;  ///< since the frame before, if recorded
   std::optional<OdometrySample> odometry;
-  std::optional<LaserScan> laser;
+  std::optional<io::RecordedScan> laser;  ///< at the frame's time
   std::vector<io::RecordedGnss> gnss;  ///< since the frame before, if recorded
   std::optional<TruePlace> place;      ///< if satellite fixes are recorded
   std::vector<Drop> drops;  ///< of the whole world, map frame; with the first frame alone
