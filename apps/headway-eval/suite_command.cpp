@@ -295,12 +295,11 @@ class Suite {
 
   /// Adds an entry per seed: positions from all recordings with degraded boxes.
   void evaluateDegraded(const std::vector<ObjectRecording>& recordings) {
-    constexpr int kSeeds = 5;
     io::DegradeParams degrade;
     Params params;
     degrade.describe(params.section("degrade").user());
     params.loadFile(options_.degrade);
-    for (int seed = 1; seed <= kSeeds && !program::interrupted(); ++seed) {
+    for (int seed = 1; seed <= 5 && !program::interrupted(); ++seed) {
       degrade.seed = seed;
       ObjectFigures together;
       for (ObjectRecording recording : recordings) {

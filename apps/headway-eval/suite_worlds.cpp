@@ -13,6 +13,7 @@
 #include <headway/io/trajectory_file.h>
 #include <headway/program/command_line.h>
 #include <headway/program/files.h>
+#include <headway/program/truth_report.h>
 #include <headway/run/session.h>
 #include <headway/sim/recording.h>
 #include <headway/sim/rigs.h>
@@ -28,8 +29,6 @@ namespace headway::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kSameTime_s = 0.02;
 
 /// A world's parameters and the registry they are bound to.
 struct WorldSettings {
@@ -73,10 +72,10 @@ ObjectRecording describedRecording(const World& world, const StereoCamera& camer
 
 /// Adds to a run's estimate and frames the error and the labels, from the world's truth.
 void evaluate(const World& world, WorldRun& run) {
-  constexpr std::size_t kMinPoses = 3;  // for an alignment
-  if (run.estimate.size() >= kMinPoses) {
+  if (run.estimate.size() >= 3) {  // which an alignment needs
     const auto truth = io::readTum(world.truth_folder + "/trajectory.tum");
-    run.error = eval::trajectoryError(eval::pairByTime(truth, run.estimate, kSameTime_s), {});
+    run.error =
+        eval::trajectoryError(eval::pairByTime(truth, run.estimate, program::kSameTime_s), {});
   }
   // An empty file is the truth of a place in which no object came into view.
   const std::string labels = world.truth_folder + "/label_02.txt";
@@ -111,18 +110,6 @@ WorldRun runOnce(const World& world, pipeline::PerceptionParams params, const Fr
   return run;
 }
 
-/// What a replay adds to a frame of the recording.
-struct StoredFrame {
-  bool has_detections = false;
-  Pose T_map_robot = Pose::Identity();
-};
-
-struct StoredRun {
-  std::size_t lost = 0;
-  std::vector<Stamped<Pose>> estimate;
-  std::vector<StoredFrame> frames;
-};
-
 fs::path fileOf(const World& world) { return fs::path(world.rawlog).replace_extension(".runs"); }
 
 Pose readPose(ByteReader& in) {
@@ -131,16 +118,19 @@ Pose readPose(ByteReader& in) {
   return pose;
 }
 
-StoredRun readRun(ByteReader& in) {
-  StoredRun run;
+/// A run as it was stored: of its frames only the poses, and which of them have boxes.
+WorldRun readRun(ByteReader& in) {
+  WorldRun run;
   run.lost = in.value<std::uint64_t>();
   run.estimate = in.list<Stamped<Pose>>([](ByteReader& from) {
     const auto time = from.finiteValue<Time>();
     return Stamped<Pose>{time, readPose(from)};
   });
-  run.frames = in.list<StoredFrame>([](ByteReader& from) {
-    const bool has_detections = from.value<std::uint8_t>() != 0;
-    return StoredFrame{has_detections, readPose(from)};
+  run.objects.frames = in.list<RecordedFrame>([](ByteReader& from) {
+    RecordedFrame frame;
+    if (from.value<std::uint8_t>() != 0) frame.detections.emplace();
+    frame.T_map_robot = readPose(from);
+    return frame;
   });
   return run;
 }
@@ -160,16 +150,16 @@ void writeRun(const WorldRun& run, ByteWriter& out) {
 }
 
 /// The world's frames with the poses of a run, without images.
-ObjectRecording recordingOf(const World& world, const StoredRun& run) {
+ObjectRecording recordingOf(const World& world, const WorldRun& run) {
   io::RawlogSource source(world.rawlog, {});
   ObjectRecording recording = describedRecording(world, *source.camera());
-  for (const auto& stored : run.frames) {
+  for (const RecordedFrame& stored : run.objects.frames) {
     auto frame = source.next();
     if (!frame)
       throw InputError(world.rawlog + ": has fewer frames than " + fileOf(world).string());
     frame->stereo.reset();
     frame->T_map_robot = stored.T_map_robot;
-    if (!stored.has_detections) frame->detections.reset();
+    if (!stored.detections) frame->detections.reset();
     recording.frames.push_back(std::move(*frame));
   }
   return recording;
@@ -286,14 +276,10 @@ std::vector<WorldRun> readRuns(const World& world, const std::string& parameters
     if (in.text() != kVersion || in.text() != parameters) {
       throw InputError("is of another version or of other parameters");
     }
-    const auto stored = in.list<StoredRun>(readRun);
-    std::vector<WorldRun> runs;
-    for (const auto& run : stored) {
-      runs.push_back({});
-      runs.back().lost = run.lost;
-      runs.back().estimate = run.estimate;
-      if (&run == &stored.back()) runs.back().objects = recordingOf(world, run);
-      evaluate(world, runs.back());
+    auto runs = in.list<WorldRun>(readRun);
+    for (auto& run : runs) {
+      run.objects = &run == &runs.back() ? recordingOf(world, run) : ObjectRecording();
+      evaluate(world, run);
     }
     return runs;
   } catch (const InputError& error) {

@@ -8,6 +8,7 @@
 #include <headway/io/rawlog_source.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/plot/text_table.h>
+#include <headway/program/truth_report.h>
 
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -26,7 +27,7 @@ struct TrajectoryOptions {
   std::string format;
   std::string align = "se3";
   std::string segments = "100,200,300,400,500,600,700,800";
-  double max_difference_s = 0.02;
+  double max_difference_s = program::kSameTime_s;
   Outputs outputs;
 };
 

@@ -48,8 +48,7 @@ Eigen::AlignedBox3d boxFrom(const std::string& text) {
     if (rest < end && (*rest != ',' || rest + 1 == end)) throw refuse();
     at = rest < end ? rest + 1 : rest;
   }
-  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-  if (values.size() == 4) values.insert(values.end(), {-kUnlimited, kUnlimited});
+  if (values.size() == 4) values.insert(values.end(), {-INFINITY, INFINITY});
   if (values.size() != 6) throw refuse();
   for (std::size_t i = 0; i < values.size(); i += 2) {
     if (!(values[i] < values[i + 1])) throw refuse();

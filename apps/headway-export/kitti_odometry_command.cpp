@@ -97,15 +97,13 @@ class KittiWriter {
   std::size_t size_ = 0;
 };
 
-constexpr double kSameTime = 1e-3;  // truth and image of one frame [s]
-
 /// The true pose of each frame; empty if a frame has none.
 std::vector<Pose> truthAt(const std::vector<Time>& times, const std::string& rawlog) {
   const auto truth = io::readTruth(rawlog).poses;
   std::vector<Pose> poses;
   for (const Time time : times) {
     const auto found = std::find_if(truth.begin(), truth.end(), [time](const auto& pose) {
-      return std::abs(pose.time - time) < kSameTime;
+      return std::abs(pose.time - time) < 1e-3;  // of one frame, but for rounding [s]
     });
     if (found == truth.end()) return {};
     poses.push_back(found->value);

@@ -33,11 +33,8 @@ namespace fs = std::filesystem;
 using report::ReplayFrame;
 
 constexpr char kMap[] = "map", kOdom[] = "odom", kRobot[] = "base_link", kCamera[] = "camera";
-constexpr std::size_t kMaxPathPoses = 5000;
 constexpr int kEllipseSides = 24;
 constexpr double kLineWidthM = 0.12;
-// Grey levels of a map server's picture: 254 free, 205 unknown, 0 occupied.
-constexpr int kFreeAbove = 230, kOccupiedBelow = 100;
 
 /// Nanoseconds since 1970.
 std::uint64_t nanoseconds(Time time) {
@@ -172,11 +169,11 @@ foxglove::PoseInFrame poseOf(const ReplayFrame& frame) {
   return pose;
 }
 
-/// Poses of the whole replay, at most some thousands, evenly spaced.
+/// Poses of the whole replay, at most 5000, which viewers draw at once, evenly spaced.
 foxglove::PosesInFrame pathOf(const std::vector<ReplayFrame>& frames) {
   foxglove::PosesInFrame path;
   setHeader(frames.front().time, kMap, path);
-  const std::size_t step = 1 + (frames.size() - 1) / kMaxPathPoses;
+  const std::size_t step = 1 + (frames.size() - 1) / 5000;
   for (std::size_t i = 0; i < frames.size(); i += step) {
     set(frames[i].T_map_robot, *path.add_poses());
   }
@@ -256,7 +253,8 @@ foxglove::Grid gridOf(Time time, const report::GridFile& file) {
   for (int row = grey.rows - 1; row >= 0; --row) {  // y increases with the rows of the message
     for (int column = 0; column < grey.cols; ++column) {
       const int level = grey.at<unsigned char>(row, column);
-      const bool is_free = level > kFreeAbove, is_occupied = level < kOccupiedBelow;
+      // A map server's picture has 254 for free, 205 for unknown and 0 for occupied cells.
+      const bool is_free = level > 230, is_occupied = level < 100;
       const unsigned char shade = is_free ? 200 : 40;
       for (int i = 0; i < 3; ++i) bytes += static_cast<char>(shade);
       bytes += static_cast<char>(is_free ? 110 : is_occupied ? 230 : 0);

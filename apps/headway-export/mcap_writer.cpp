@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kChunkBytes = 1 << 20;
-constexpr int kLevel = 3;
 
 enum Opcode : std::uint8_t {
   kHeader = 0x01,
@@ -58,7 +57,7 @@ std::uint32_t crcOf(std::string_view bytes) {
 std::string compressed(const std::string& bytes) {
   std::string result(ZSTD_compressBound(bytes.size()), '\0');
   const std::size_t size =
-      ZSTD_compress(result.data(), result.size(), bytes.data(), bytes.size(), kLevel);
+      ZSTD_compress(result.data(), result.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
   if (ZSTD_isError(size) != 0) throw InputError("a chunk cannot be compressed");
   result.resize(size);
   return result;

@@ -103,10 +103,10 @@ class TimeCheck {
 
 constexpr std::size_t kMaxSamples = 200000;
 constexpr std::size_t kMaxSensors = 200;
-constexpr double kPairTolerance = 0.01;  // of headway's readers [s]
-constexpr double kMaxRate = 1000.0;      // of rotation [rad/s]
-constexpr double kSlowSensor = 0.2;      // latency after which places no longer fit the images [s]
-constexpr double kOtherClock = 1.0;      // of headway's readers: latencies are shorter [s]
+const double kPairTolerance = io::RawlogSourceOptions().pair_tolerance_s;
+constexpr double kMaxRate = 1000.0;  // of rotation [rad/s]
+constexpr double kSlowSensor = 0.2;  // latency after which places no longer fit the images [s]
+constexpr double kOtherClock = 1.0;  // of headway's readers: latencies are shorter [s]
 
 std::string classNameOf(const mrpt::obs::CObservation& observation) {
   const std::string name = observation.GetRuntimeClass()->className;
@@ -553,7 +553,6 @@ std::vector<CheckItem> ImageCheck::clockItems(const std::vector<RotationSample>&
   return {item};
 }
 
-constexpr int kBadRecording = 1;
 constexpr std::size_t kMatchedPairs = 100;
 
 const char* wordOf(Rating rating) {
@@ -677,7 +676,7 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
   if (!program::interrupted()) append(items, imageItems(path, sensor_label, times));
   if (program::interrupted()) {
     std::cout << "interrupted: not checked" << std::endl;
-    return kBadRecording;
+    return program::kInputFault;
   }
   for (const auto& item : items) print(item);
   const auto count = [&](Rating rating) {
@@ -686,7 +685,7 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
   };
   std::cout << "verdict: " << count(Rating::kBad) << " bad, " << count(Rating::kWarning)
             << " warnings, " << count(Rating::kOk) << " ok" << std::endl;
-  return count(Rating::kBad) > 0 ? kBadRecording : program::kDone;
+  return count(Rating::kBad) > 0 ? program::kInputFault : program::kDone;
 }
 
 }  // namespace headway::import

@@ -28,21 +28,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kPathSpacing = 0.2;  // [m]
-constexpr std::size_t kMaxPathPositions = 2000;
-constexpr std::size_t kPointsOfPath = 6;  // of a predicted path
-constexpr int kJpegQuality = 75;
-constexpr float kFreeAbove = 0.65F, kOccupiedBelow = 0.35F;  // probability of a cell to be free
-
 /// The robot's positions so far, for the map; thinned and bounded.
 class DrivenPath {
  public:
   void add(const Pose& T_map_robot) {
     const Eigen::Vector2d position = T_map_robot.translation().head<2>();
     if (!position.allFinite()) return;
-    if (!positions_.empty() && (position - positions_.back()).norm() < kPathSpacing) return;
+    // 0.2 m is less than a robot is long; 2000 positions bound the size of an event.
+    if (!positions_.empty() && (position - positions_.back()).norm() < 0.2) return;
     positions_.push_back(position);
-    if (positions_.size() > kMaxPathPositions) positions_.pop_front();
+    if (positions_.size() > 2000) positions_.pop_front();
   }
   [[nodiscard]] const std::deque<Eigen::Vector2d>& positions() const { return positions_; }
 
@@ -59,9 +54,10 @@ Json colourJson(Colour colour) {
 /// JSON has no infinity; what is not finite is shown at 0.
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
+/// Six points of a predicted path show its shape.
 Json pathJson(const PredictedPath& path) {
   Json points = Json::array();
-  const std::size_t step = std::max<std::size_t>(1, path.points.size() / kPointsOfPath);
+  const std::size_t step = std::max<std::size_t>(1, path.points.size() / 6);
   for (std::size_t i = step - 1; i < path.points.size(); i += step) {
     const PredictedPoint& point = path.points[i];
     const Ellipse ellipse = sigmaEllipse(point.covariance);
@@ -157,7 +153,7 @@ std::string jpegOf(const RecordedFrame& frame) {
   if (!frame.stereo) return {};
   const auto& colour = frame.stereo->left_colour;
   return encoded(".jpg", colour.empty() ? frame.stereo->left : colour,
-                 {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+                 {cv::IMWRITE_JPEG_QUALITY, 75});
 }
 
 /// The occupancy grid as PNG with transparent unknown cells, greatest y first; empty without one.
@@ -171,8 +167,8 @@ std::string pngOf(const map::PerceptionMap& map) {
     for (int x = 0; x < columns; ++x) {
       const float free = grid->getCell(x, y);
       auto& pixel = picture.at<cv::Vec4b>(rows - 1 - y, x);
-      if (free > kFreeAbove) pixel = {0x43, 0x38, 0x2f, 255};
-      if (free < kOccupiedBelow) pixel = {0xe4, 0xd9, 0xcf, 255};
+      if (free > 0.65F) pixel = {0x43, 0x38, 0x2f, 255};
+      if (free < 0.35F) pixel = {0xe4, 0xd9, 0xcf, 255};
     }
   }
   return encoded(".png", picture, {cv::IMWRITE_PNG_COMPRESSION, 1});
@@ -181,11 +177,7 @@ std::string pngOf(const map::PerceptionMap& map) {
 using httplib::Request;
 using httplib::Response;
 
-constexpr int kMaxPages = 4;              // open at a time; each holds a thread
-constexpr int kThreads = 12 + kMaxPages;  // browsers keep several connections
-constexpr int kForbidden = 403, kBusy = 503;
-constexpr auto kEventInterval = std::chrono::milliseconds(100);
-constexpr auto kKeepAlive = std::chrono::seconds(1);  // after which a gone browser is noticed
+constexpr int kMaxPages = 4;  // open at a time; each holds a thread
 constexpr const char* kCookie = "headway_token";
 constexpr const char* kLocal = "127.0.0.1";
 
@@ -229,7 +221,8 @@ class LivePage::Implementation {
  public:
   explicit Implementation(const LivePageOptions& options)
       : address_(options.address), token_(options.address == kLocal ? "" : randomToken()) {
-    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    // Browsers keep several connections.
+    server_.new_task_queue = [] { return new httplib::ThreadPool(12 + kMaxPages); };
     // httplib's default, SO_REUSEPORT, would share the port with other programs.
     server_.set_socket_options([](socket_t socket) {
       const int on = 1;
@@ -289,7 +282,7 @@ class LivePage::Implementation {
     const auto given =
         request.has_param("token") ? request.get_param_value("token") : cookieOf(request);
     if (is_known && (token_.empty() || isEqual(given, token_))) return Result::Unhandled;
-    response.status = kForbidden;
+    response.status = 403;
     response.set_content("forbidden: open the address that headway-live prints\n", "text/plain");
     return Result::Handled;
   }
@@ -333,7 +326,7 @@ class LivePage::Implementation {
   void sendEvents(Response& response) {
     if (pages_.fetch_add(1) >= kMaxPages) {
       --pages_;
-      response.status = kBusy;
+      response.status = 503;
       return;
     }
     auto sent = std::make_shared<std::size_t>(0);
@@ -346,11 +339,12 @@ class LivePage::Implementation {
         [this](bool) { --pages_; });
   }
 
-  /// The next event after view number `sent`, or a comment if there is none; empty at the end.
+  /// The next event after view number `sent`, at most ten a second, or after a second a comment, so
+  /// that a browser that has gone is noticed; empty at the end.
   std::string nextEvent(std::size_t& sent) {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kEventInterval, [this] { return is_ending_; });
-    changed_.wait_for(lock, kKeepAlive, [&] { return is_ending_ || views_ > sent; });
+    changed_.wait_for(lock, std::chrono::milliseconds(100), [this] { return is_ending_; });
+    changed_.wait_for(lock, std::chrono::seconds(1), [&] { return is_ending_ || views_ > sent; });
     if (is_ending_) return {};
     if (views_ == sent) return ":\n\n";
     sent = views_;

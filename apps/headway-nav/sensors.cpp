@@ -11,7 +11,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kRays = 360;
-constexpr double kHeight_m = 0.4;
 
 /// Range at which a ray from the origin meets a disc; infinity if it does not.
 double rangeToDisc(const Vector2d& ray, const Vector2d& centre, double radius) {
@@ -22,7 +21,6 @@ double rangeToDisc(const Vector2d& ray, const Vector2d& centre, double radius) {
 }
 
 constexpr double kPersonHeight_m = 1.7;
-constexpr double kDuplicateSigma_m = 0.5;  ///< of a duplicate, along each axis
 constexpr double kDegree = M_PI / 180.0;
 
 /// Whether a disc occludes a position from the robot, both in the robot's frame.
@@ -75,7 +73,7 @@ void RangeScanner::scan(const sim::Crowd& crowd, const mrpt::math::TPose2D& robo
     const double measured = range + params_.scan_sigma_m * noise(random_);
     if (range > params_.scan_range_m) continue;
     out.insertPoint(static_cast<float>(measured * std::cos(angle)),
-                    static_cast<float>(measured * std::sin(angle)), static_cast<float>(kHeight_m));
+                    static_cast<float>(measured * std::sin(angle)), 0.4F);
   }
 }
 
@@ -100,9 +98,9 @@ Detections NoisyDetector::detect(const sim::Crowd& crowd, const mrpt::math::TPos
     const double heading = std::atan2(velocity.y(), velocity.x()) - robot.phi;
     detections.items.push_back(measured(place, heading, person.radius));
     if (!random_.chance(params_.duplicate_probability)) continue;
-    const double ahead = kDuplicateSigma_m * random_.normal();
-    const double lateral = kDuplicateSigma_m * random_.normal();
-    detections.items.push_back(measured(place + Vector2d(ahead, lateral), heading, person.radius));
+    const double ahead = random_.normal(), lateral = random_.normal();  // of 0.5 m each
+    const Vector2d elsewhere = place + 0.5 * Vector2d(ahead, lateral);
+    detections.items.push_back(measured(elsewhere, heading, person.radius));
   }
   if (random_.chance(params_.false_alarm_probability)) {
     const double bearing = random_.uniform(-M_PI, M_PI);

@@ -112,9 +112,8 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
   [[nodiscard]] const TPose2D& pose() const { return wheels_->getCurrentGTPose(); }
   /// Whether it drives or turns.
   [[nodiscard]] bool moves() {
-    constexpr double kStandingSpeed = 0.02;  // a slower robot stands [m/s]
-    constexpr double kStandingTurn = 0.05;   // [rad/s]
-    return std::abs(wheels_->getV()) > kStandingSpeed || std::abs(wheels_->getW()) > kStandingTurn;
+    // Slower wheels are the remains of their lag: [m/s], [rad/s].
+    return std::abs(wheels_->getV()) > 0.02 || std::abs(wheels_->getW()) > 0.05;
   }
 
   /// Processor time of simulating the last scan [us].
@@ -140,7 +139,6 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
   double scan_us_ = 0.0;
 };
 
-constexpr double kGoalRadius_m = 0.4;
 constexpr const char* kHolonomicMethod = "CHolonomicFullEval";
 
 /// Settings that do not depend on the robot.
@@ -292,7 +290,7 @@ class Navigator : public mrpt::nav::CReactiveNavigationSystem {
     setHolonomicMethod(kHolonomicMethod, settings_);  // a new one, because it stores directions
     TNavigationParams request;
     request.target.target_coords = {robot.goal_m, 0.0, 0.0};
-    request.target.targetAllowedDistance = static_cast<float>(kGoalRadius_m);
+    request.target.targetAllowedDistance = static_cast<float>(RobotParams::kGoalRadius_m);
     navigate(&request);
   }
 
@@ -300,8 +298,7 @@ class Navigator : public mrpt::nav::CReactiveNavigationSystem {
   mrpt::config::CConfigFileMemory settings_;
 };
 
-constexpr double kEpoch_s = 1.7e9;  ///< MRPT's clock at the start of the first trial
-constexpr double kStep_s = 0.01;    ///< of the world
+constexpr double kStep_s = 0.01;  ///< of the world: a walker moves 15 mm in it
 
 /// Controls MRPT's clock during its lifetime; each instance starts later than the previous one.
 class SimulatedClock {
@@ -323,8 +320,9 @@ class SimulatedClock {
   }
 
  private:
-  // Poses of an earlier trial in the navigator must not be in the future.
-  static inline double next_start_s = kEpoch_s;
+  // A time as of a real clock. Poses of an earlier trial in the navigator must not be in the
+  // future.
+  static inline double next_start_s = 1.7e9;
   double start_s_;
   double time_s_ = 0.0;
 };

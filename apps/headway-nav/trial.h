@@ -15,6 +15,9 @@ namespace headway::app {
 
 /// The robot and its goal, section "robot".
 struct RobotParams {
+  /// Distance from the goal within which it counts as reached [m].
+  static constexpr double kGoalRadius_m = 0.4;
+
   double length_m = 0.5;
   double width_m = 0.4;
   double margin_m = 0.0;        ///< that the navigator adds around the robot [m]

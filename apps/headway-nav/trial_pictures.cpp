@@ -20,8 +20,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Layout of a picture of trials [px].
-constexpr int kPanelWidth = 426, kPictureHeight = 720, kTitleHeight = 64, kLegendHeight = 54;
+/// Layout of a picture of trials [px]: three panels fill 1280 x 720.
+struct Layout {
+  int panel_width = 426, height = 720;
+  int title = 64, legend = 54;  ///< heights at the top and at the bottom
+};
+constexpr Layout kLayout;
 
 const cv::Scalar kPaper(250, 250, 250), kInk(60, 50, 45), kFaint(215, 215, 215);
 const cv::Scalar kRobot(170, 95, 30), kPerson(40, 130, 235), kPillar(140, 140, 140);
@@ -67,18 +71,17 @@ class TrialPanel {
   std::vector<cv::Rect> texts_;  ///< drawn so far [px]
 };
 
-constexpr int kShift = 4;          // bits of a pixel's fraction
-constexpr double kSpacingPx = 20;  // of the grid's lines, at least
+constexpr int kShift = 4;  // bits of a pixel's fraction
 
 TrialPanel::TrialPanel(cv::Mat image, const RobotParams& robot, const Eigen::AlignedBox2d& bounds)
     : image_(std::move(image)),
       robot_(robot),
       middle_(bounds.center()),
-      pixels_per_m_(std::min((kPictureHeight - kTitleHeight - kLegendHeight) / bounds.sizes().x(),
+      pixels_per_m_(std::min((kLayout.height - kLayout.title - kLayout.legend) / bounds.sizes().x(),
                              image_.cols / bounds.sizes().y())) {}
 
 void TrialPanel::drawGround() {
-  const Vector2d reach(0.5 * (kPictureHeight - kTitleHeight - kLegendHeight) / pixels_per_m_,
+  const Vector2d reach(0.5 * (kLayout.height - kLayout.title - kLayout.legend) / pixels_per_m_,
                        0.5 * image_.cols / pixels_per_m_);
   const Vector2d least = middle_ - reach, greatest = middle_ + reach;
   const double spacing = spacingM();
@@ -91,7 +94,7 @@ void TrialPanel::drawGround() {
   }
   cv::line(image_, {image_.cols - 1, 0}, {image_.cols - 1, image_.rows}, kFaint, 1);
   drawScale(spacing);
-  circle({robot_.goal_m, 0.0}, 0.4, kRobot, 2);
+  circle({robot_.goal_m, 0.0}, RobotParams::kGoalRadius_m, kRobot, 2);
   text("goal", {robot_.goal_m, -0.6}, 0.45, kRobot);
 }
 
@@ -142,29 +145,29 @@ void TrialPanel::text(const std::string& words, const Vector2d& place, double si
 }
 
 void TrialPanel::title(const std::string& name, const std::string& state, bool bad) {
-  cv::rectangle(image_, {0, 0, image_.cols, kTitleHeight}, kPaper, cv::FILLED);
+  cv::rectangle(image_, {0, 0, image_.cols, kLayout.title}, kPaper, cv::FILLED);
   cv::putText(image_, name, {14, 27}, cv::FONT_HERSHEY_SIMPLEX, 0.75, kInk, 2, cv::LINE_AA);
   cv::putText(image_, state, {14, 52}, cv::FONT_HERSHEY_SIMPLEX, 0.5, bad ? kContact : kInk, 1,
               cv::LINE_AA);
-  cv::line(image_, {0, kTitleHeight}, {image_.cols, kTitleHeight}, kFaint, 1);
+  cv::line(image_, {0, kLayout.title}, {image_.cols, kLayout.title}, kFaint, 1);
 }
 
 bool TrialPanel::shows(const Vector2d& place) const {
   const cv::Point p = at(place);
-  return p.y >> kShift > kTitleHeight && p.y >> kShift < kPictureHeight - kLegendHeight &&
+  return p.y >> kShift > kLayout.title && p.y >> kShift < kLayout.height - kLayout.legend &&
          p.x > 0 && p.x >> kShift < image_.cols;
 }
 
-/// Distance of the grid's lines [m].
+/// Distance of the grid's lines, of at least 20 px [m].
 double TrialPanel::spacingM() const {
   double spacing = 2.0;
-  while (spacing * pixels_per_m_ < kSpacingPx) spacing *= 5.0;
+  while (spacing * pixels_per_m_ < 20) spacing *= 5.0;
   return spacing;
 }
 
 /// A bar as long as the grid's spacing, at the lower left.
 void TrialPanel::drawScale(double metres) {
-  const int y = kPictureHeight - kLegendHeight - 14, x = 14;
+  const int y = kLayout.height - kLayout.legend - 14, x = 14;
   const int end = x + cvRound(metres * pixels_per_m_);
   const std::string words = cv::format("%.0f m", metres);
   cv::line(image_, {x, y}, {end, y}, kInk, 2);
@@ -177,11 +180,9 @@ void TrialPanel::drawScale(double metres) {
 cv::Point TrialPanel::at(const Vector2d& place) const {
   const Vector2d offset = pixels_per_m_ * (place - middle_);
   const double u = 0.5 * image_.cols - offset.y();
-  const double v = 0.5 * (kTitleHeight + kPictureHeight - kLegendHeight) - offset.x();
+  const double v = 0.5 * (kLayout.title + kLayout.height - kLayout.legend) - offset.x();
   return {cvRound(u * (1 << kShift)), cvRound(v * (1 << kShift))};
 }
-
-constexpr double kMarginM = 1.0;  // around a robot's centre
 
 /// The whole way of the robot, with start and goal.
 Eigen::AlignedBox2d boundsOf(const TrialRecord& record, const RobotParams& robot) {
@@ -190,12 +191,12 @@ Eigen::AlignedBox2d boundsOf(const TrialRecord& record, const RobotParams& robot
   for (const auto& moment : record.moments) {
     bounds.extend(Vector2d(moment.robot.x, moment.robot.y));
   }
-  const Vector2d margin(kMarginM, kMarginM);
+  const Vector2d margin(1.0, 1.0);  // the robot and a person beside it
   return {bounds.min() - margin, bounds.max() + margin};
 }
 
 void label(cv::Mat& image, int& x, const std::string& words) {
-  cv::putText(image, words, {x, kPictureHeight - 20}, cv::FONT_HERSHEY_SIMPLEX, 0.48, kInk, 1,
+  cv::putText(image, words, {x, kLayout.height - 20}, cv::FONT_HERSHEY_SIMPLEX, 0.48, kInk, 1,
               cv::LINE_AA);
   int baseline = 0;
   x += cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.48, 1, &baseline).width + 26;
@@ -203,11 +204,11 @@ void label(cv::Mat& image, int& x, const std::string& words) {
 
 /// Legend and note.
 void drawLegend(cv::Mat& image, const std::string& note) {
-  cv::rectangle(image, {0, kPictureHeight - kLegendHeight, image.cols, kLegendHeight}, kPaper,
+  cv::rectangle(image, {0, kLayout.height - kLayout.legend, image.cols, kLayout.legend}, kPaper,
                 cv::FILLED);
-  cv::line(image, {0, kPictureHeight - kLegendHeight}, {image.cols, kPictureHeight - kLegendHeight},
-           kFaint, 1);
-  const int y = kPictureHeight - 25;
+  cv::line(image, {0, kLayout.height - kLayout.legend},
+           {image.cols, kLayout.height - kLayout.legend}, kFaint, 1);
+  const int y = kLayout.height - 25;
   int x = 14;
   const auto mark = [&](const cv::Scalar& colour, int radius, const std::string& words) {
     cv::circle(image, {x + radius, y}, radius, colour, cv::FILLED, cv::LINE_AA);
@@ -225,13 +226,13 @@ void drawLegend(cv::Mat& image, const std::string& note) {
 }
 
 cv::Mat blankPicture(std::size_t panels) {
-  const int width = std::max(3, static_cast<int>(panels)) * kPanelWidth;
-  return cv::Mat(kPictureHeight, width + width % 2, CV_8UC3, kPaper);
+  const int width = std::max(3, static_cast<int>(panels)) * kLayout.panel_width;
+  return cv::Mat(kLayout.height, width + width % 2, CV_8UC3, kPaper);
 }
 
 cv::Mat panelOf(cv::Mat& picture, std::size_t index, std::size_t count) {
   const int width = picture.cols / static_cast<int>(count);
-  return picture(cv::Rect(static_cast<int>(index) * width, 0, width, kPictureHeight));
+  return picture(cv::Rect(static_cast<int>(index) * width, 0, width, kLayout.height));
 }
 
 /// Index of the moment at a time, or of the last one.

@@ -154,14 +154,10 @@ struct Options {
   scene::SnapshotOptions snapshot;         ///< from view, size, theme and layers
 };
 
-constexpr int kMinSide = 16;
-constexpr int kMaxSide = 7680;
-
 int parseSide(const std::string& text, const std::string& whole) {
   int side = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
-  if (error != std::errc() || end != text.data() + text.size() || side < kMinSide ||
-      side > kMaxSide) {
+  if (error != std::errc() || end != text.data() + text.size() || side < 16 || side > 7680) {
     throw UsageError("--size: '" + whole + "' is not WIDTHxHEIGHT with sides of 16 to 7680 pixels");
   }
   return side;

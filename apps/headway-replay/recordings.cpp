@@ -65,12 +65,11 @@ program::OutputFolder::IsResult isResultOf(const Options& options,
 
 /// Difference of two cameras' poses on the robot; empty if there is none.
 std::string differenceOfMounts(const StereoCamera& a, const StereoCamera& b) {
-  constexpr double kMaxM = 0.002;
-  constexpr double kMaxRad = 0.002;
+  constexpr double kTolerance = 0.002;  // mounts so near are the same [m, rad]
   const Pose difference = a.T_robot_cam.inverse(Eigen::Isometry) * b.T_robot_cam;
   const double metres = difference.translation().norm();
   const double radians = logSo3(difference.linear()).norm();
-  if (metres <= kMaxM && radians <= kMaxRad) return "";
+  if (metres <= kTolerance && radians <= kTolerance) return "";
   char text[80];
   std::snprintf(text, sizeof text, "%.3f m and %.2f deg", metres, radians * 180.0 / M_PI);
   return text;

@@ -22,7 +22,6 @@
 namespace headway::replay {
 namespace {
 
-constexpr double kMaxFrameGap = 1.0;  // [s]
 constexpr std::uint32_t kGnssVersion = 1;
 
 /// The pose at a time between two frames.
@@ -59,7 +58,7 @@ std::vector<geo::FixOnMap> fixesAlong(const std::vector<GnssFix>& fixes,
   std::optional<slam::FrameEstimate> before;
   visit([&](const slam::FrameEstimate& after) {
     const auto last = std::exchange(before, after.tracked ? std::optional(after) : std::nullopt);
-    if (!last || !before || !(after.time > last->time) || after.time - last->time > kMaxFrameGap) {
+    if (!last || !before || !(after.time > last->time) || after.time - last->time > 1.0) {
       return;
     }
     auto fix = std::lower_bound(sorted.begin(), sorted.end(), last->time, isEarlier);
@@ -148,8 +147,6 @@ class MapCorrection {
   }
 
  private:
-  static constexpr std::size_t kMaxSteps = 20000;
-
   /// Reads on to the next time that both paths have.
   bool readStep() {
     auto online = online_.next();
@@ -160,7 +157,7 @@ class MapCorrection {
     }
     if (!online || !corrected) return false;
     steps_.push_back({online->time, corrected->value * online->value.inverse()});
-    if (steps_.size() > kMaxSteps) steps_.pop_front();
+    if (steps_.size() > kMaxKept) steps_.pop_front();
     return true;
   }
 
@@ -268,7 +265,7 @@ std::vector<geo::FixOnMap> GnssLog::onMap(const slam::TrajectoryVisit& trajector
 }
 
 std::string gnssBytes(std::vector<geo::FixOnMap> fixes) {
-  while (fixes.size() > GnssLog::kMaxFixes) removeEverySecond(fixes);
+  while (fixes.size() > kMaxKept) removeEverySecond(fixes);
   ByteWriter out;
   out.value(kGnssVersion);
   out.count(fixes.size());

@@ -20,13 +20,15 @@ namespace headway::replay {
 /// Name of the attachment of a map with the fixes that it was mapped with.
 inline constexpr char kGnssAttachment[] = "gnss";
 
+/// Greatest number of fixes, or of poses of a path, that are kept for files: half an hour at 10 Hz
+/// in full, longer runs in steps.
+inline constexpr std::size_t kMaxKept = 20000;
+
 /// The fixes of a run, and of the runs before in a map that it loaded. Memory is bounded: above a
 /// limit every second one is removed, and of those that follow, the same ratio is kept.
 class GnssLog {
  public:
-  static constexpr std::size_t kMaxFixes = 20000;
-
-  explicit GnssLog(std::size_t max_fixes = kMaxFixes) : max_fixes_(max_fixes) {}
+  explicit GnssLog(std::size_t max_fixes = kMaxKept) : max_fixes_(max_fixes) {}
 
   void add(const std::vector<GnssFix>& fixes);
 
@@ -56,7 +58,7 @@ class GnssLog {
   std::map<KeyframeId, Pose> loaded_;  ///< T_map_robot of the keyframes when they were loaded
 };
 
-/// Fixes as an attachment of a map; of more than GnssLog::kMaxFixes a part.
+/// Fixes as an attachment of a map; of more than kMaxKept a part.
 [[nodiscard]] std::string gnssBytes(std::vector<geo::FixOnMap> fixes);
 
 /// What a run's satellite fixes led to, for summary.json; empty without fixes.

@@ -67,12 +67,6 @@ run::SessionOptions sessionOptions(const Options& options, const pipeline::Perce
   return result;
 }
 
-// Explanations of a recording without tracked frames.
-constexpr std::size_t kMinMatches = 20;        // of points between the first images
-constexpr double kMaxVerticalDisparity = 2.0;  // [px]
-constexpr double kMinDisparity = 0.1;          // [px]
-constexpr double kMinDepthRatio = 0.1;         // of the first image's pixels
-
 /// Prints the calibration's consistency with the images to standard output.
 void printCalibration(const io::CalibrationReport& report) {
   if (report.is_depth_camera) {
@@ -88,31 +82,30 @@ void printCalibration(const io::CalibrationReport& report) {
       report.vertical_disparity_px, report.median_disparity_px, report.matches);
 }
 
-/// Why no frame of a recording was tracked, as far as the first pair shows it.
+/// Why no frame of a recording was tracked, as far as the first pair shows it, by limits that are
+/// far from the values of usable recordings.
 std::string causeOfNoTracking(const std::optional<io::CalibrationReport>& calibration) {
   std::string cause = "too few points of the images were tracked";
   if (calibration && calibration->is_depth_camera) {
-    if (calibration->depth_ratio < kMinDepthRatio) {
+    if (calibration->depth_ratio < 0.1) {
       cause = "only " + std::to_string(std::lround(100.0 * calibration->depth_ratio)) +
               " % of the first image have depth; check the depth camera's projector, its reach and "
               "the unit of its images (rangeUnits)";
     }
-  } else if (calibration && calibration->matches < kMinMatches) {
+  } else if (calibration && calibration->matches < 20) {
     cause = "only " + std::to_string(calibration->matches) +
             " points of the first left image were found in the right one; check focus, exposure "
             "and lens covers, and that both images are of one stereo pair";
-  } else if (calibration && calibration->vertical_disparity_px > kMaxVerticalDisparity) {
+  } else if (calibration && calibration->vertical_disparity_px > 2.0) {
     cause = "the rows of the images differ by " +
             std::to_string(calibration->vertical_disparity_px) + " px; calibrate the cameras";
-  } else if (calibration && std::abs(calibration->median_disparity_px) < kMinDisparity) {
+  } else if (calibration && std::abs(calibration->median_disparity_px) < 0.1) {
     cause =
         "left and right images show the same, at a disparity of 0 px; check that the right "
         "camera was recorded";
   }
   return cause;
 }
-
-constexpr std::size_t kMaxSeenTracks = 1000;  // above which ended ones are discarded
 
 /// Creates the pipeline with the map of --load-map, if given, and loads its satellite fixes.
 std::unique_ptr<pipeline::Perception> makePerception(
@@ -267,7 +260,7 @@ void Replay::countTracks(const pipeline::PerceptionUpdate& update) {
     seen->second.last_seen = update.time;
     seen->second.was_moving = seen->second.was_moving || isMoving(track);
   }
-  if (seen_tracks_.size() < kMaxSeenTracks) return;
+  if (seen_tracks_.size() < 1000) return;  // bounds memory
   for (auto seen = seen_tracks_.begin(); seen != seen_tracks_.end();) {
     const bool has_ended = std::abs(update.time - seen->second.last_seen) > retrack_time_s_;
     summary_.tracks_moving += has_ended && seen->second.was_moving ? 1 : 0;

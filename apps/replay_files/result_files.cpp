@@ -86,14 +86,14 @@ void rescoreKittiResults(const fs::path& file) {
 constexpr std::array<const char*, 6> kPoseAxes = {"x", "y", "z", "roll", "pitch", "yaw"};
 
 /// The upper triangle of the covariance, row by row.
-void writeCovarianceHeader(std::ostream& out) {
-  out << "frame,time";
+std::string covarianceHeader() {
+  std::string header = "frame,time";
   for (std::size_t i = 0; i < kPoseAxes.size(); ++i) {
     for (std::size_t k = i; k < kPoseAxes.size(); ++k) {
-      out << ',' << kPoseAxes[i] << '_' << kPoseAxes[k];
+      header += std::string(",") + kPoseAxes[i] + "_" + kPoseAxes[k];
     }
   }
-  out << '\n';
+  return header;
 }
 
 void writeCovariance(const pipeline::PerceptionUpdate& update, std::ostream& out) {
@@ -175,25 +175,19 @@ FrameWriters::FrameWriters(const fs::path& folder, std::shared_ptr<const StereoC
       folder_(folder),
       trajectory_(open("trajectory_online.tum")),
       odometry_(open("trajectory_odom.tum")),
-      map_odom_(open("map_odom.csv")),
-      covariance_(open("trajectory_covariance.csv")),
-      detections_(open("detections.csv")),
-      tracks_(open("tracks.csv")),
-      tracks_odom_(open("tracks_odom.csv")),
-      smoothed_(open("tracks_smoothed.csv")),
+      map_odom_(open("map_odom.csv", io::mapOdomCsvHeader())),
+      covariance_(open("trajectory_covariance.csv", covarianceHeader())),
+      detections_(open("detections.csv", io::detectionCsvHeader())),
+      tracks_(open("tracks.csv", io::trackCsvHeader())),
+      tracks_odom_(open("tracks_odom.csv", io::trackCsvHeader())),
+      smoothed_(open("tracks_smoothed.csv", io::trackCsvHeader())),
       kitti_(open(kKittiTracks)),
-      predictions_(open("predictions.csv")) {
-  writeCovarianceHeader(covariance_.stream());
-  detections_.stream() << io::detectionCsvHeader() << '\n';
-  map_odom_.stream() << io::mapOdomCsvHeader() << '\n';
-  tracks_.stream() << io::trackCsvHeader() << '\n';
-  tracks_odom_.stream() << io::trackCsvHeader() << '\n';
-  smoothed_.stream() << io::trackCsvHeader() << '\n';
-  predictions_.stream() << io::predictionCsvHeader() << '\n';
-}
+      predictions_(open("predictions.csv", io::predictionCsvHeader())) {}
 
-GrowingFile& FrameWriters::open(const std::string& name) {
-  return files_.try_emplace(name, folder_ / name).first->second;
+std::ostream& FrameWriters::open(const std::string& name, const std::string& header) {
+  std::ostream& out = files_.try_emplace(name, folder_ / name).first->second.stream();
+  if (!header.empty()) out << header << '\n';
+  return out;
 }
 
 std::vector<fs::path> FrameWriters::paths() const {
@@ -205,17 +199,16 @@ std::vector<fs::path> FrameWriters::paths() const {
 void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   const slam::SlamUpdate& camera = update.camera;
   if (slam::isTracked(camera.status)) {
-    io::writeTumRow(trajectory_.stream(), {update.time, camera.T_map_robot});
-    writeCovariance(update, covariance_.stream());
+    io::writeTumRow(trajectory_, {update.time, camera.T_map_robot});
+    writeCovariance(update, covariance_);
   }
-  io::writeTumRow(odometry_.stream(), {update.time, camera.T_odom_robot});
-  io::writeMapOdomCsv(map_odom_.stream(),
-                      {update.frame, update.time, camera.T_map_odom, camera.revision.number,
-                       slam::toString(camera.revision.cause)});
+  io::writeTumRow(odometry_, {update.time, camera.T_odom_robot});
+  io::writeMapOdomCsv(map_odom_, {update.frame, update.time, camera.T_map_odom,
+                                  camera.revision.number, slam::toString(camera.revision.cause)});
   if (update.detections) {
     for (const auto& detection : update.detections->items) {
       if (!isFinite(detection)) continue;  // counted by the tracker as nan_box
-      io::writeDetectionCsv(detections_.stream(), update.frame, detection);
+      io::writeDetectionCsv(detections_, update.frame, detection);
     }
   }
   const Pose T_robot_sensor = update.detections    ? update.detections->T_robot_sensor
@@ -227,7 +220,7 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
   }
   for (const auto& track : update.tracks_odom) {
     if (isShown(track)) {
-      io::writeTrackCsv(tracks_odom_.stream(), {update.frame, update.time, track});
+      io::writeTrackCsv(tracks_odom_, {update.frame, update.time, track});
     }
   }
   writeSmoothed(update.objects.finalised);
@@ -236,20 +229,19 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
 
 void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
                               const Pose& T_sensor_map) {
-  io::writeTrackCsv(tracks_.stream(), {update.frame, update.time, track});
-  io::writeKittiResult(kitti_.stream(), kittiRow(update.frame, track, T_sensor_map, camera_.get()));
+  io::writeTrackCsv(tracks_, {update.frame, update.time, track});
+  io::writeKittiResult(kitti_, kittiRow(update.frame, track, T_sensor_map, camera_.get()));
   for (const auto& path : track.predictions) {
     for (const auto& point : path.points) {
-      io::writePredictionCsv(predictions_.stream(),
-                             {update.frame, update.time, track.id, track.object_class, path.mode,
-                              path.probability, point});
+      io::writePredictionCsv(predictions_, {update.frame, update.time, track.id, track.object_class,
+                                            path.mode, path.probability, point});
     }
   }
 }
 
 void FrameWriters::writeSmoothed(const std::vector<TrackSample>& samples) {
   for (const auto& sample : samples) {
-    if (isShown(sample.track)) io::writeTrackCsv(smoothed_.stream(), sample);
+    if (isShown(sample.track)) io::writeTrackCsv(smoothed_, sample);
   }
 }
 
@@ -317,9 +309,8 @@ Checkpoint::Checkpoint(fs::path folder, double interval_s,
       last_(std::chrono::steady_clock::now()) {}
 
 bool Checkpoint::isDue() const {
-  constexpr double kMinRatio = 50.0;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - last_;
-  const bool is_early = elapsed < interval_ || elapsed < kMinRatio * collecting_;
+  const bool is_early = elapsed < interval_ || elapsed < 50.0 * collecting_;
   if (interval_.count() <= 0.0 || is_early) return false;
   return !writing_.valid() ||
          writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;

@@ -53,21 +53,21 @@ class FrameWriters {
   void writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
                   const Pose& T_sensor_map);
 
-  GrowingFile& open(const std::string& name);
+  std::ostream& open(const std::string& name, const std::string& header = "");
 
   std::shared_ptr<const StereoCamera> camera_;
   std::filesystem::path folder_;
   std::map<std::string, GrowingFile> files_;  ///< by name
-  GrowingFile& trajectory_;
-  GrowingFile& odometry_;
-  GrowingFile& map_odom_;
-  GrowingFile& covariance_;
-  GrowingFile& detections_;
-  GrowingFile& tracks_;
-  GrowingFile& tracks_odom_;
-  GrowingFile& smoothed_;
-  GrowingFile& kitti_;
-  GrowingFile& predictions_;
+  std::ostream& trajectory_;
+  std::ostream& odometry_;
+  std::ostream& map_odom_;
+  std::ostream& covariance_;
+  std::ostream& detections_;
+  std::ostream& tracks_;
+  std::ostream& tracks_odom_;
+  std::ostream& smoothed_;
+  std::ostream& kitti_;
+  std::ostream& predictions_;
 };
 
 /// Writes trajectory.tum and trajectory_kitti.txt.

@@ -6,12 +6,9 @@
 
 #include <cstdio>
 
+#include "geo_files.h"
+
 namespace headway::replay {
-namespace {
-
-constexpr std::size_t kMaxPathPoses = 20000;  // drawn
-
-}  // namespace
 
 void Snapshots::add(const pipeline::Perception& perception,
                     const pipeline::PerceptionUpdate& update, const RecordedFrame& frame,
@@ -29,7 +26,7 @@ void Snapshots::add(const pipeline::Perception& perception,
 void Snapshots::addToPath(const Stamped<Pose>& pose) {
   if (tracked_++ % path_step_ != 0) return;
   path_.push_back(pose);
-  if (path_.size() < kMaxPathPoses) return;
+  if (path_.size() < kMaxKept) return;
   for (std::size_t i = 0; 2 * i < path_.size(); ++i) path_[i] = path_[2 * i];
   path_.resize((path_.size() + 1) / 2);
   path_step_ *= 2;

@@ -87,11 +87,11 @@ TEST(GnssLogTest, TheyMoveWithTheNearestKeyframeThatTheMapStillHas) {
 }
 
 TEST(GnssLogTest, MemoryIsBoundedOverAnyNumberOfRuns) {
-  std::vector<geo::FixOnMap> fixes(3 * GnssLog::kMaxFixes);
+  std::vector<geo::FixOnMap> fixes(3 * kMaxKept);
   GnssLog log;
   log.load(gnssBytes(fixes), {});
-  EXPECT_LE(log.kept(), GnssLog::kMaxFixes);
-  EXPECT_GT(log.kept(), GnssLog::kMaxFixes / 3);
+  EXPECT_LE(log.kept(), kMaxKept);
+  EXPECT_GT(log.kept(), kMaxKept / 3);
 }
 
 TEST(GnssLogTest, DamagedBytesAreErrors) {

@@ -16,8 +16,6 @@ namespace {
 
 #ifdef HEADWAY_WITH_EVAL
 
-constexpr double kSameTimeS = 0.02;
-
 /// Errors of the final trajectory after rigid alignment.
 ///
 /// @throws InputError if there are too few poses of equal times
@@ -25,7 +23,7 @@ std::vector<report::Figure> errorsOf(const std::filesystem::path& replay,
                                      const std::filesystem::path& truth) {
   const auto error =
       eval::trajectoryError(eval::pairByTime(io::readTum(truth / "trajectory.tum"),
-                                             io::readTum(replay / "trajectory.tum"), kSameTimeS),
+                                             io::readTum(replay / "trajectory.tum"), kSameTime_s),
                             {});
   return {
       {"Frames compared", std::to_string(error.frames_matched), "with a true pose of their time"},

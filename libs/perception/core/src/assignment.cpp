@@ -14,8 +14,6 @@
 namespace headway {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Gives every row one of its candidate columns, or leaves it alone for a price, at the least total
 /// cost.
 ///
@@ -37,7 +35,7 @@ class SparseAssignment {
     row_of_.assign(columns_ + rows, kNone);
     row_price_.assign(rows, 0.0);
     column_price_.assign(columns_ + rows, 0.0);
-    distance_.assign(columns_ + rows, kInfinity);
+    distance_.assign(columns_ + rows, INFINITY);
     before_.assign(columns_ + rows, kNone);
     done_.assign(columns_ + rows, false);
     for (std::size_t row = 0; row < rows; ++row) enter(row);
@@ -88,14 +86,14 @@ class SparseAssignment {
     }
     row_of_[column] = start;
     for (const std::size_t j : visited_) done_[j] = false;
-    for (const std::size_t j : seen_) distance_[j] = kInfinity;
+    for (const std::size_t j : seen_) distance_[j] = INFINITY;
   }
 
   void relaxRow(std::size_t row, std::size_t from, double reached) {
     const auto relax = [&](std::size_t column, double cost) {
       const double length = reached + cost - row_price_[row] - column_price_[column];
       if (done_[column] || !(length < distance_[column])) return;
-      if (distance_[column] == kInfinity) seen_.push_back(column);
+      if (distance_[column] == INFINITY) seen_.push_back(column);
       distance_[column] = length;
       before_[column] = from;
       queue_.emplace(length, column);

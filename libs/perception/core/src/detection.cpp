@@ -8,6 +8,12 @@
 #include <initializer_list>
 
 namespace headway {
+namespace {
+
+/// Greatest plausible value of a box: a coordinate of 1000 km [m], a variance of 1 km^2 [m^2].
+constexpr double kMaxPlausible = 1e6;
+
+}  // namespace
 
 Box3d opticalBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, double yaw,
                  const Pose& T_optical_frame) {
@@ -59,10 +65,9 @@ double opticalYaw(const Eigen::Vector3d& direction) {
 }
 
 bool isCovariance(const Eigen::Matrix3d& matrix) {
-  constexpr double kMaxVariance = 1e6;    // [m^2]
   constexpr double kRounding = 1e-6;      // of the largest variance
   constexpr double kMinVariance = 1e-12;  // of a place that is known exactly [m^2]
-  if (!matrix.allFinite() || matrix.cwiseAbs().maxCoeff() > kMaxVariance) return false;
+  if (!matrix.allFinite() || matrix.cwiseAbs().maxCoeff() > kMaxPlausible) return false;
   if (matrix.diagonal().minCoeff() < 0.0) return false;
   const double margin = kRounding * matrix.diagonal().maxCoeff() + kMinVariance;
   const Eigen::Matrix3d raised = matrix + margin * Eigen::Matrix3d::Identity();
@@ -84,10 +89,9 @@ bool isFinite(const Detection& detection) {
 }
 
 bool isPlausible(const Detection& detection) {
-  constexpr double kMax = 1e6;
   const auto are_near = [](std::initializer_list<double> values) {
     return std::none_of(values.begin(), values.end(), [](double value) {
-      return std::isfinite(value) && std::abs(value) > kMax;
+      return std::isfinite(value) && std::abs(value) > kMaxPlausible;
     });
   };
   const auto& a = detection.box2d;

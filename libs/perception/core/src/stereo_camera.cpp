@@ -11,9 +11,6 @@
 namespace headway {
 namespace {
 
-constexpr double kMaxCameraDistanceM = 100.0;  // from the robot's origin
-constexpr double kMaxCentreWidths = 10.0;      // distance of the principal point from the image
-
 void requirePositive(double value, const char* name, const char* unit) {
   if (!(std::isfinite(value) && value > 0.0)) {
     throw InputError("stereo calibration: " + std::string(name) + " is " + std::to_string(value) +
@@ -29,7 +26,7 @@ void validate(const StereoCamera& camera) {
   requirePositive(camera.fx, "focal length fx", "px");
   requirePositive(camera.fy, "focal length fy", "px");
   requirePositive(camera.baseline_m, "baseline", "m");
-  const double max_offset = kMaxCentreWidths * std::max(camera.width, camera.height);
+  const double max_offset = 10.0 * std::max(camera.width, camera.height);  // beyond any real lens
   if (!(std::abs(camera.cx) <= max_offset && std::abs(camera.cy) <= max_offset)) {
     throw InputError("stereo calibration: the principal point (" + std::to_string(camera.cx) +
                      ", " + std::to_string(camera.cy) + ") px is far outside the image");
@@ -38,7 +35,7 @@ void validate(const StereoCamera& camera) {
     throw InputError("stereo calibration: the camera's pose on the robot is not finite");
   }
   const double distance_m = camera.T_robot_cam.translation().norm();
-  if (distance_m > kMaxCameraDistanceM) {
+  if (distance_m > 100.0) {  // larger than any robot: a pose in centimetres or millimetres
     throw InputError("stereo calibration: the camera is " + std::to_string(distance_m) +
                      " m from the robot's origin; check the unit (metres) of its pose");
   }
@@ -72,8 +69,8 @@ std::string textOf(const StereoCamera& camera) {
 }  // namespace
 
 std::optional<std::string> differenceBetween(const StereoCamera& other, const StereoCamera& here) {
-  constexpr double kTolerance = 1e-3;  ///< relative
-  const auto near = [](double a, double b) { return std::abs(a - b) <= kTolerance * std::abs(b); };
+  // One part in a thousand: files round, calibrations of another camera differ by more.
+  const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-3 * std::abs(b); };
   const bool same = other.width == here.width && other.height == here.height &&
                     near(other.fx, here.fx) && near(other.fy, here.fy) && near(other.cx, here.cx) &&
                     near(other.cy, here.cy) && near(other.baseline_m, here.baseline_m);

@@ -2,6 +2,7 @@
 // A thread that does work in order, and requests to stop long work.
 #include <headway/core/worker_thread.h>
 
+#include <algorithm>
 #include <atomic>
 
 namespace headway {
@@ -30,9 +31,9 @@ namespace {
 /// Lowers the priority of this thread; one that the system does not lower works as well.
 void runInBackground() {
 #ifdef __linux__
-  constexpr int kNice = 10;  // a tenth of the share of a thread of normal priority
   const auto thread = static_cast<id_t>(syscall(SYS_gettid));
-  if (getpriority(PRIO_PROCESS, thread) < kNice) (void)setpriority(PRIO_PROCESS, thread, kNice);
+  const int nice = std::max(10, getpriority(PRIO_PROCESS, thread));  // 10: a tenth of the time
+  (void)setpriority(PRIO_PROCESS, thread, nice);
 #endif
 }
 

@@ -90,7 +90,7 @@ int run(const std::string& program, const std::function<int()>& body);
 /// One of a program's sub-commands.
 struct Subcommand {
   std::string name;
-  std::string about;  ///< what it does, in one sentence, for --help
+  std::string about;                          ///< what it does, in one sentence, for --help
   std::function<int(int, const char**)> run;  ///< with its own arguments; returns the exit status
 };
 

@@ -8,6 +8,10 @@
 
 namespace headway::program {
 
+/// Greatest difference of the times of a true and an estimated pose that are compared: less than
+/// half of the interval of frames at 20 Hz [s].
+inline constexpr double kSameTime_s = 0.02;
+
 /// Writes `report.html` of a finished replay with true paths and the errors of the final trajectory
 /// after rigid alignment.
 ///
