@@ -42,7 +42,7 @@ struct FinishedReplay {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameTimeS = 1e-3;
+constexpr double kSameTimeS = 1e-3;  // of a frame in two files, which round
 
 FinishedReplay replayOf(map::StoredMap stored) {
   FinishedReplay replay;
