@@ -233,7 +233,7 @@ TEST(RecordingErrorsTest, NameThePathThatCannotBeWritten) {
                 Recording((folder / "b.rawlog").string(), {}, {}, lens.ideal(), lens.recorded(),
                           "");
               }),
-              StartsWith((folder / "b.truth/calib.txt").string() + ": cannot be written"));
+              StartsWith((folder / "b.truth/calib.txt").string() + ": is a folder"));
   Recording recording((folder / "a.rawlog").string(), {}, {true, false}, lens.ideal(),
                       lens.recorded(), "");
   std::filesystem::remove_all(folder / "a.truth/masks");
