@@ -44,6 +44,7 @@ class Views {
   }
 
   set(name, moment) {
+    if (this.isStart && this.name === 'orbit') this.reset();  // leaves the view of the whole path
     this.isStart = false;
     this.name = name === 'camera' && !this.replay.camera ? 'follow' : name;
     if (this.name === 'orbit') this.orbit.target = new THREE.Vector3(...moment.pose.slice(0, 3));
