@@ -5,7 +5,6 @@
 const kFrameMs = 1000 / 30;  // longest time between two pictures
 const kMeasured = 6;         // pictures between two decisions
 const kMinDrawn = 8000;      // points
-const kMaxSide = 0.04;       // of a point, to half the picture's height
 const kFullSharp = 40000, kHalfSharp = 12000;  // capacities from which pictures are sharper
 
 /** How many points are drawn and how sharp: less while pictures take longer than a thirtieth of a
@@ -55,7 +54,6 @@ const kFading = `
                       max(smoothstep(0.9, 1.0, depth), 1.0 - smoothstep(0.1, 0.2, above / robotHeight)));
     if (fract(dot(position, vec3(0.1031, 0.1173, 0.0973))) >= drawn) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   }
-  if (isPerspective) gl_PointSize = min(gl_PointSize, kMaxSide * scale);
 `;
 
 /** A material of points that fade before the robot: `uniforms` are shared by all clouds. */
@@ -64,8 +62,7 @@ function fadingMaterial(size, uniforms) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = `uniform vec3 robotInView;\nuniform float aspect, floorHeight, robotHeight;\n` +
-        shader.vertexShader.replace('#include <logdepthbuf_vertex>',
-                                    `${kFading.replace('kMaxSide', kMaxSide)}#include <logdepthbuf_vertex>`);
+        shader.vertexShader.replace('#include <logdepthbuf_vertex>', `${kFading}#include <logdepthbuf_vertex>`);
   };
   return material;
 }
