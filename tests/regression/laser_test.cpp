@@ -10,10 +10,11 @@ namespace {
 TEST(LaserTest, ScansOfARecordingEnterTheGrid) {
   test::TemporaryFolder folder;
   const auto rawlog = folder / "hall.rawlog";
-  const auto simulated = test::runProcess(
-      test::program("headway-sim") + " -q -c " + HEADWAY_SOURCE_DIR +
-      "/config/worlds/hall.ini --rig small --seed 2 --frames 8 --set laser.enabled=true -o " +
-      rawlog.string());
+  const auto simulated =
+      test::runProcess(test::program("headway-sim") + " -q -c " + HEADWAY_SOURCE_DIR +
+                       "/config/worlds/hall.ini --rig small --seed 2 --frames 8 --set "
+                       "camera.rate_hz=10 --set laser.enabled=true -o " +
+                       rawlog.string());
   ASSERT_EQ(0, simulated.status) << simulated.output;
 
   const auto with = test::replay(rawlog, folder / "with", "-q --snapshots 0");
