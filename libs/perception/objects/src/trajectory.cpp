@@ -19,11 +19,10 @@ Eigen::Vector3d carriedOn(const PlaceMeasurement& place, Time time,
 }  // namespace
 
 void FrameRate::add(Time time) {
-  constexpr std::size_t kIntervals = 10;
   if (last_) intervals_.push_back(time - *last_);
   last_ = time;
   if (intervals_.empty()) return;
-  if (intervals_.size() > kIntervals) intervals_.pop_front();
+  if (intervals_.size() > 10) intervals_.pop_front();
   hz_ = std::max(1.0, std::round(1.0 / median({intervals_.begin(), intervals_.end()})));
 }
 
