@@ -29,14 +29,14 @@ Site room() {
   return site;
 }
 
-float rangeAt(const LaserScan& scan, double angle) {
+float rangeAt(const io::RecordedScan& scan, double angle) {
   const auto last = static_cast<double>(scan.ranges.size() - 1);
   const double ray = (angle + 0.5 * scan.aperture_rad) / scan.aperture_rad * last;
   return scan.ranges.at(static_cast<std::size_t>(std::lround(ray)));
 }
 
-LaserScan scanRoom(const LaserParams& params, const Pose& T_world_robot,
-                   const std::vector<Mesh>& actors = {}) {
+io::RecordedScan scanRoom(const LaserParams& params, const Pose& T_world_robot,
+                          const std::vector<Mesh>& actors = {}) {
   const Site site = room();
   const Mesh& mesh = site.surfaces.at(Material::kPlaster);
   return LaserScanner(params, 1).scan(0.0, T_world_robot, {{&mesh}}, actors);
@@ -46,7 +46,7 @@ TEST(LaserScannerTest, MeasuresTheWallsOfARoomAllAround) {
   LaserParams params = exact();
   params.aperture_deg = 360.0;
   params.rays = 721;
-  const LaserScan scan = scanRoom(params, Pose::Identity());
+  const io::RecordedScan scan = scanRoom(params, Pose::Identity());
   ASSERT_EQ(scan.ranges.size(), 721U);
   EXPECT_NEAR(rangeAt(scan, 0.0), 3.93, 1e-4);
   EXPECT_NEAR(rangeAt(scan, M_PI / 2), 1.93, 1e-4);
@@ -60,7 +60,7 @@ TEST(LaserScannerTest, TurnsWithTheRobot) {
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   pose.translation() = Eigen::Vector3d(1.0, 0.5, 0.0);
-  const LaserScan scan = scanRoom(exact(), pose);
+  const io::RecordedScan scan = scanRoom(exact(), pose);
   EXPECT_NEAR(rangeAt(scan, 0.0), 1.43, 1e-4);        // to the north
   EXPECT_NEAR(rangeAt(scan, M_PI / 2), 4.93, 1e-4);   // to the west
   EXPECT_NEAR(rangeAt(scan, -M_PI / 2), 2.93, 1e-4);  // to the east
@@ -69,7 +69,8 @@ TEST(LaserScannerTest, TurnsWithTheRobot) {
 TEST(LaserScannerTest, AnActorHidesTheWallBehindIt) {
   Site box;
   SiteBuilder(box).box({{2.0, 0.0}, 0.0, {0.4, 0.4, 1.7}, 0.0}, Material::kWood);
-  const LaserScan scan = scanRoom(exact(), Pose::Identity(), {box.surfaces.at(Material::kWood)});
+  const io::RecordedScan scan =
+      scanRoom(exact(), Pose::Identity(), {box.surfaces.at(Material::kWood)});
   EXPECT_NEAR(rangeAt(scan, 0.0), 1.8, 1e-4);
   EXPECT_NEAR(rangeAt(scan, 0.3), 3.93 / std::cos(0.3), 0.05);
 }
@@ -77,7 +78,8 @@ TEST(LaserScannerTest, AnActorHidesTheWallBehindIt) {
 TEST(LaserScannerTest, WhatIsLowerThanItsPlaneIsNotSeen) {
   Site box;
   SiteBuilder(box).box({{2.0, 0.0}, 0.0, {0.4, 0.4, 0.15}, 0.0}, Material::kWood);
-  const LaserScan scan = scanRoom(exact(), Pose::Identity(), {box.surfaces.at(Material::kWood)});
+  const io::RecordedScan scan =
+      scanRoom(exact(), Pose::Identity(), {box.surfaces.at(Material::kWood)});
   EXPECT_NEAR(rangeAt(scan, 0.0), 3.93, 1e-4);
 }
 
@@ -85,7 +87,7 @@ TEST(LaserScannerTest, OutOfRangeIsNoMeasurement) {
   LaserParams params = exact();
   params.max_range_m = 3.0;
   params.min_range_m = 2.0;
-  const LaserScan scan = scanRoom(params, Pose::Identity());
+  const io::RecordedScan scan = scanRoom(params, Pose::Identity());
   EXPECT_EQ(rangeAt(scan, 0.0), 0.0F);       // too far
   EXPECT_EQ(rangeAt(scan, M_PI / 2), 0.0F);  // too near
   EXPECT_GT(rangeAt(scan, 0.9), 2.0F);
@@ -93,10 +95,10 @@ TEST(LaserScannerTest, OutOfRangeIsNoMeasurement) {
 
 TEST(LaserScannerTest, NoiseHasTheStandardDeviationAskedFor) {
   LaserParams params = exact();
-  const LaserScan clean = scanRoom(params, Pose::Identity());
+  const io::RecordedScan clean = scanRoom(params, Pose::Identity());
   params.sigma_m = 0.02;
   params.miss_ratio = 0.1;
-  const LaserScan noisy = scanRoom(params, Pose::Identity());
+  const io::RecordedScan noisy = scanRoom(params, Pose::Identity());
   double squares = 0.0;
   int count = 0, lost = 0;
   for (std::size_t i = 0; i < clean.ranges.size(); ++i) {
