@@ -104,15 +104,21 @@ WheeledRobot::WheeledRobot(const SimParams& params, const Site& site, const Navi
 }
 
 void WheeledRobot::planTour() {
-  std::vector<Eigen::Vector2d> tour;
+  if (params_.tour_stops == 0) return;
+  constexpr int kTries = 200;  // for stops that are not on the tour so far
   const Eigen::Vector2d start = position_;
-  for (int i = 0; i < params_.tour_stops; ++i) {
+  std::vector<Eigen::Vector2d> tour = {start};
+  for (int i = 0; i < kTries && static_cast<int>(tour.size()) <= params_.tour_stops; ++i) {
     chooseStop();
     if (way_.empty()) break;
+    const bool is_new = std::none_of(tour.begin(), tour.end(), [&](const Eigen::Vector2d& stop) {
+      return (stop - way_.back()).norm() < 1.0;
+    });
+    if (!is_new) continue;
     position_ = way_.back();
     tour.push_back(position_);
   }
-  if (!tour.empty()) tour.push_back(start);
+  std::rotate(tour.begin(), tour.begin() + 1, tour.end());  // the start last
   position_ = start;
   tour_ = tour;
 }
