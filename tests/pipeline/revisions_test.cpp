@@ -172,8 +172,8 @@ class RevisionTest : public testing::Test {
 
   static void expectLayersAsGoodAs(const Drive& withheld, const Drive& run) {
     EXPECT_GT(run.dense_points, 100U);
-    EXPECT_LT(run.dense_error_m, 0.1);
-    EXPECT_LT(run.dense_error_m, withheld.dense_error_m + 0.01);
+    EXPECT_LT(run.dense_error_m, 0.15) << "0.5 m is the noise of a depth of 8 m";
+    EXPECT_LT(run.dense_error_m, withheld.dense_error_m + 0.02);
     EXPECT_GT(run.occupied, 10U);
     EXPECT_GT(run.free, 50U);
     const auto ratio = [](std::size_t some, std::size_t all) {

@@ -4,9 +4,11 @@
 
 #include <headway/detect/depth_scanner.h>
 #include <headway/pipeline/moving_regions.h>
+#include <headway/stereo/rectification.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "laser_evidence.h"
@@ -201,6 +203,18 @@ void Mapping::setPeriod(double period_s) {
 void Mapping::setRate(double rate_hz) {
   assumptions_.rate_hz = rate_hz;
   rig_ = rigOf(camera_.get(), assumptions_);
+}
+
+void Mapping::setRightTurn(const Eigen::Vector3d& turn, bool has_moved, StageTimes& times) {
+  const double change_px =
+      (turn.y() - yaw_of_scans_) / stereo::yawOfOffset(1.0, *camera_);  // of all disparities
+  const bool is_wrong = !has_moved && std::abs(change_px) > rig_->sigma_disparity_px;
+  if (has_moved || is_wrong) yaw_of_scans_ = turn.y();
+  if (!is_wrong) return;
+  grid_ = map::StaticGrid(grid_params_.map);
+  (void)dense_.exchange(dense_.emptyMap(), times);
+  others_.clear();
+  map_.removeStaticLayers();
 }
 
 void Mapping::update(const FrameState& state, StageTimes& times) {

@@ -110,6 +110,12 @@ class Mapping {
   void setPeriod(double period_s);
   /// The rate of frames as measured, on which rig() depends.
   void setRate(double rate_hz);
+  /// The rotation of the right camera that is undone from now on [rad]. Scans that were measured
+  /// with another yaw are as wrong as their disparities: they are discarded where that is more than
+  /// a disparity's noise.
+  ///
+  /// @param has_moved  the camera was rotated otherwise before: older scans are right
+  void setRightTurn(const Eigen::Vector3d& turn, bool has_moved, StageTimes& times);
 
   /// Takes all that a frame tells.
   void update(const FrameState& state, StageTimes& times);
@@ -183,6 +189,7 @@ class Mapping {
   std::map<int, Layers> others_;  ///< of the other submaps
   map::PerceptionMap map_;
   std::optional<Time> last_scan_;
+  double yaw_of_scans_ = 0.0;  ///< of the right camera, undone in their images [rad]
   std::map<std::string, std::size_t> laser_counts_;
 };
 

@@ -275,8 +275,10 @@ class Perception::Implementation {
 
   [[nodiscard]] std::optional<stereo::FrameContext> rectify(const FrameState& state) {
     const Eigen::Vector3d before = localisation.rightTurn();
-    auto context = localisation.contextOf(state, health.rightCamera());
+    const RightCamera right_camera = health.rightCamera();
+    auto context = localisation.contextOf(state, right_camera);
     if (localisation.rightTurn() != before) {
+      mapping.setRightTurn(localisation.rightTurn(), right_camera.has_moved, times);
       const Eigen::Vector3d degrees = localisation.rightTurn() / kDegree;
       write(LogLevel::kInfo, state,
             formatted("right images are turned back by pitch %.3f, yaw %.3f, roll %.3f deg",
@@ -407,6 +409,7 @@ void Perception::resume(const map::StoredMap& stored) {
   localisation.load(stored);
   implementation_->health.resume(localisation.rightTurn());
   implementation_->mapping.load(stored, localisation.slam()->map());
+  implementation_->mapping.setRightTurn(localisation.rightTurn(), true, implementation_->times);
 }
 
 map::StoredMap Perception::stored() const {
