@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// headway-eval tracks, movers, people and predictions: objects of a replay against labels and the simulator's truth.
+// headway-eval tracks, movers, people and predictions: objects of a replay against the truth.
 #include <headway/core/error.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/labelled_frames.h>
@@ -87,7 +87,9 @@ bool parseTracks(TracksOptions& options, int argc, const char** argv) {
               "Also evaluate the positions of raw detections: file, rawlog or folder");
   line.option(options.poses, 0, "poses", "P",
               "Pose of every frame (KITTI or TUM): --plot then includes a map");
-  if (!options.outputs.parse(line, argc, argv, {&options.truth, &options.estimate})) return false;
+  if (!options.outputs.parse(line, argc, argv,
+                             {&options.truth, &options.estimate, &options.raw, &options.poses}))
+    return false;
   if (overlap != -1.0) options.min_overlap = overlap;
   return true;
 }
@@ -219,7 +221,7 @@ int runMovers(int argc, const char** argv) {
               "True pose of every frame: KITTI (camera), TUM (robot), or a rawlog with truth_pose",
               true);
   line.option(estimate, 0, "estimate", "OUTDIR", "Output folder of headway-replay", true);
-  if (!outputs.parse(line, argc, argv, {&truth, &estimate})) return program::kDone;
+  if (!outputs.parse(line, argc, argv, {&truth, &poses, &estimate})) return program::kDone;
   const auto results = eval::evaluateMovers(truth, poses, estimate);
   if (!outputs.quiet()) report(results);
   outputs.write([&] { return toJson(results); }, [&] { return plot(results.input); });
@@ -368,11 +370,12 @@ int runPeople(int argc, const char** argv) {
   program::CommandLine line("headway-eval people",
                             "Counts the people of a simulated world that a replay finds, by "
                             "distance, walking and standing, and its false rows.");
-  line.positional(replay, "REPLAY", "Output folder of headway-replay");
+  line.positional(replay, "OUTDIR", "Output folder of headway-replay");
   line.option(truth, 0, "truth", "NAME.truth", "Truth folder written by headway-sim", true);
   line.option(reach_m, 0, "reach", "M",
               "Distance up to which people count [m]; default: that of the replay's rig");
   if (!outputs.parse(line, argc, argv, {&truth, &replay})) return program::kDone;
+  if (reach_m < 0.0) throw program::UsageError("--reach must not be negative");
   const auto error = eval::evaluatePeople(truth, replay, reach_m);
   if (!outputs.quiet()) report(error);
   outputs.write([&] { return toJson(error); }, [&] { return eval::peoplePlot(error); });

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <iostream>
 #include <mutex>
@@ -113,8 +114,8 @@ void checkTogether(const SuiteOptions& options) {
   if (!options.profile.empty() && options.jobs == 0) {
     throw program::UsageError("--profile requires --jobs N");
   }
-  if (options.rate_hz < 0.0 || options.rate_hz > 100.0) {
-    throw program::UsageError("--rate must be between 0 and 100 Hz");
+  if (options.rate_hz != 0.0 && !(options.rate_hz >= 0.5 && options.rate_hz <= 100.0)) {
+    throw program::UsageError("--rate must be between 0.5 and 100 Hz");
   }
   if (options.rate_hz > 0.0 && options.jobs > 0) {
     throw program::UsageError("--rate excludes --jobs");
@@ -153,14 +154,15 @@ bool parseSuite(SuiteOptions& options, int argc, const char** argv) {
   line.option(options.folder, 'o', "output", "OUTDIR",
               "Folder for recordings and tables; default suite");
   line.flag(options.reuse, 0, "reuse",
-            "Reuse recordings in OUTDIR that were simulated with the same parameters");
+            "Reuse recordings in OUTDIR that were simulated with the same parameters; others in "
+            "it, and the tables, are overwritten");
   addJobOptions(line, options);
   line.option(options.kitti, 0, "kitti", "DIR",
               "KITTI tracking benchmark, whose sequences are evaluated too");
   line.option(options.degrade, 0, "degrade", "FILE.ini",
               "Also evaluate positions on degraded KITTI boxes, seeds 1 to 5");
   line.parameters(params);
-  if (!options.outputs.parse(line, argc, argv, {})) return false;
+  if (!options.outputs.parse(line, argc, argv, {&options.degrade})) return false;
   checkTogether(options);
   options.worlds = program::findDataFile(options.worlds);
   options.degrade = program::findDataFile(options.degrade);

@@ -19,7 +19,7 @@ int runMapExport(int argc, const char** argv);
 int runMcapExport(int argc, const char** argv);
 /// The path of a replay as TUM poses.
 int runTumExport(int argc, const char** argv);
-/// The path, the tracks and the calibration of a replay as KITTI's files.
+/// The path or the tracks of a replay as a file of KITTI.
 int runKittiExport(int argc, const char** argv);
 /// The dense map or the landmarks of a replay as a PLY file.
 int runPlyExport(int argc, const char** argv);

@@ -30,10 +30,10 @@ int main(int argc, char** argv) {
         "Converts rawlogs, replays and maps for other systems.",
         {{"kitti-odometry", "Writes a KITTI odometry sequence of rectified stereo frames",
           runKittiOdometryExport},
-         {"map", "Writes a part of a map", runMapExport},
+         {"map", "Writes the map of a replay, whole or cut to a box", runMapExport},
          {"mcap", "Writes a replay for Foxglove", runMcapExport},
          {"tum", "Writes the trajectory of a replay as TUM", runTumExport},
-         {"kitti", "Writes the trajectory and tracks of a replay as KITTI", runKittiExport},
+         {"kitti", "Writes the trajectory or the tracks of a replay as KITTI", runKittiExport},
          {"ply", "Writes the points of a replay's map as PLY", runPlyExport},
          {"rosmap", "Writes the grid of a replay for map servers", runRosmapExport},
          {"geojson", "Writes a replay that is placed on the earth as GeoJSON", runGeojsonExport}});

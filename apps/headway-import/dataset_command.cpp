@@ -337,7 +337,7 @@ int runDataset(const std::string& dataset_name, const std::string& about, int ar
   const ImportOutput output(options->output, options->check);
   options->output = output.path();
   program::requireWritable(options->output, options->overwrite,
-                           {options->detections, options->poses});
+                           {options->detections, options->poses, options->calibration});
   const auto dataset = openDataset(*options);
   program::catchInterrupts();
   const auto summary = importDataset(*dataset, *options);

@@ -49,7 +49,9 @@ class FrameTimes {
   void finish() { std::sort(times_.begin(), times_.end()); }
 
   [[nodiscard]] std::size_t count() const { return times_.size(); }
-  [[nodiscard]] std::size_t kept() const { return (times_.size() + every_ - 1) / every_; }
+  [[nodiscard]] bool isFrame(const CObservation& observation) const {
+    return isAnyImage(observation) && observation.sensorLabel == label_;
+  }
   /// Whether the frame nearest in time is kept.
   [[nodiscard]] bool keeps(Time time) const {
     auto nearest = std::lower_bound(times_.begin(), times_.end(), time);
@@ -85,7 +87,6 @@ Thinned thin(const std::string& input, const std::string& output, const std::str
   if (frames.count() == 0) {
     throw InputError(input + ": contains no images" + (label.empty() ? "" : " of " + label));
   }
-  thinned.frames = frames.kept();
   thinned.frames_before = frames.count();
   io::RawlogSink sink(output, io::ImageStorage::kEmbeddedRaw);
   thinned.skipped.clear();
@@ -104,6 +105,7 @@ Thinned thin(const std::string& input, const std::string& output, const std::str
                            "--external-images");
         }
         thinned.others += is_of_frame ? 0 : 1;
+        thinned.frames += frames.isFrame(observation) ? 1 : 0;
         sink.write(observation);
       });
   sink.close();

@@ -683,7 +683,7 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
     return std::count_if(items.begin(), items.end(),
                          [rating](const CheckItem& item) { return item.rating == rating; });
   };
-  std::cout << "verdict: " << count(Rating::kBad) << " bad, " << count(Rating::kWarning)
+  std::cout << "result: " << count(Rating::kBad) << " bad, " << count(Rating::kWarning)
             << " warnings, " << count(Rating::kOk) << " ok" << std::endl;
   return count(Rating::kBad) > 0 ? program::kInputFault : program::kDone;
 }

@@ -108,6 +108,7 @@ void requireWritable(const Options& options) {
     const auto name = recordingName(options.video, options.seed + trial - 1);
     program::requireWritable(name + ".png", options.overwrite);
     program::requireWritable(name + ".mp4", options.overwrite);
+    program::requireWritable(name + "_frames", options.overwrite);
   }
 }
 
@@ -157,7 +158,7 @@ void describe(Options& options, program::CommandLine& line) {
 
 /// Whether the program was called with nothing that selects trials or outputs.
 bool isWithoutArguments(int argc, const char* const* argv) {
-  static const std::set<std::string> kKept = {"-q", "--quiet", "-w", "--overwrite"};
+  static const std::set<std::string> kKept = {"-q", "--quiet", "-w", "--overwrite", "-qw", "-wq"};
   return std::all_of(argv + 1, argv + argc, [](const char* word) { return kKept.count(word) > 0; });
 }
 

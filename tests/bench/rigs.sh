@@ -37,5 +37,7 @@ echo -n "| rig | path error m, mean (worst) | walking, < 1.5 m | 1.5-3 m | 3-7 m
 echo "| false rows | grid: found of observed | precision with touch | CPU ms a frame |"
 echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
 for rig in car robot small rgbd; do
-  python3 tests/bench/rigs_row.py $rig "$out/$rig"-*.path.json
+  paths=()
+  for seed in $seeds; do paths+=("$out/$rig"-*-"$seed".path.json); done
+  python3 tests/bench/rigs_row.py $rig "${paths[@]}"
 done

@@ -30,7 +30,7 @@ def main():
         for distance in RANGES:
             found, persons = (sum(f[group].get(distance, {}).get(key, 0) for f in people)
                               for key in ("found", "person_frames"))
-            cells.append(f"{percent(found, persons)} ({persons})" if persons else "–")
+            cells.append(f"{percent(found, persons)} ({persons})" if persons else "-")
     cells.append(percent(sum(f["false_rows"] for f in people), sum(f["rows"] for f in people)))
     _, judged, found, _ = (sum(column) for column in zip(*(counts(f["in_reach"]) for f in grids)))
     called, right = (sum(f["touch"][key] for f in grids) for key in ("called_occupied", "right"))

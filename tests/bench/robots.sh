@@ -18,6 +18,9 @@ recorded() {
   [ -f "$rawlog" ] || $bin/headway-sim -q --depth --masks --frames "$frames" -o "$rawlog" "$@"
 }
 
+# figures WORLD RIG KIND: the figures of all seeds
+figures() { for seed in $seeds; do echo "$out/$1-$2-$seed.$3.json"; done; }
+
 for world in yard-loop hall campus warehouse; do
   for rig in robot small rgbd; do
     for seed in $seeds; do
@@ -50,7 +53,7 @@ for world in yard-loop hall campus warehouse; do
       $bin/headway-eval grid -q -w --truth "$out/$name.truth" --estimate "$out/$name" --json "$out/$name.grid.json"
       $bin/headway-eval people -q -w "$out/$name" --truth "$out/$name.truth" --json "$out/$name.people.json"
     done
-    python3 tests/bench/robots_grid.py "$world, $rig" "$out/$world-$rig"-*.grid.json
+    python3 tests/bench/robots_grid.py "$world, $rig" $(figures $world $rig grid)
   done
 done
 
@@ -61,6 +64,6 @@ echo "| false rows | person rows right | false moving tracks |"
 echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
 for world in yard-loop hall campus warehouse; do
   for rig in robot small rgbd; do
-    python3 tests/bench/robots_people.py "$world, $rig" "$out/$world-$rig"-*.people.json
+    python3 tests/bench/robots_people.py "$world, $rig" $(figures $world $rig people)
   done
 done

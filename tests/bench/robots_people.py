@@ -7,11 +7,9 @@
 import json
 import sys
 
+from robots_grid import percent
+
 RANGES = ("0.5-1.5", "1.5-3", "3-7", "7-")
-
-
-def percent(part, whole):
-    return f"{100 * part / whole:.1f} %" if whole else "-"
 
 
 def main():

@@ -100,6 +100,30 @@ TEST(SegmentFollowerTest, ASegmentIsMissedForTheSameTimeAtEveryRate) {
   }
 }
 
+TEST(SegmentFollowerTest, ASegmentOfTheFrameBeforeIsFollowedAtAnyRate) {
+  test::Drive drive;
+  SegmentFollower follower{drive.camera};
+  for (int frame = 0; frame < 3; ++frame) {
+    drive.path.advance(0.5 * frame, Pose::Identity());
+    follower.follow({walkerIn(0, 0.0, drive.camera)}, drive.path, kUp);
+  }
+  ASSERT_EQ(1U, follower.tracks().size());
+  EXPECT_EQ(3U, follower.tracks()[0].track.observations.size());
+}
+
+TEST(SegmentFollowerTest, OverlappingFlowsCountOnce) {
+  test::Drive drive;
+  SegmentFollower follower{drive.camera};
+  for (int frame = 0; frame < 10; ++frame) {  // at 30 Hz, each flow over 0.1 s
+    drive.path.advance(frame / 30.0, Pose::Identity());
+    UprightSegment segment = walkerIn(frame % 2, 0.0, drive.camera);
+    segment.across = LateralSpeed{0.5, 0.1, 0.1};
+    follower.follow({segment}, drive.path, kUp);
+  }
+  ASSERT_EQ(1U, follower.tracks().size());
+  EXPECT_LE(follower.tracks()[0].across.size(), 5U) << "in 0.3 s, half overlapping at most";
+}
+
 TEST(SegmentFollowerTest, ASegmentThatIsNotObservedAgainIsRemoved) {
   Followed walker(1.4, -1);
   for (int frame = kFrames; frame < kFrames + 5; ++frame) {

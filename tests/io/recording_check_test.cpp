@@ -159,7 +159,7 @@ TEST_F(RecordingCheckTest, AGoodRecordingIsOk) {
   EXPECT_EQ(0, result.status) << result.output;
   for (const char* item :
        {"ok       rig: 672x256 px, baseline 0.5400 m", "ok       times of stereo", "10.00 Hz",
-        "ok       exposure", "ok       blur", "ok       vertical offset", "verdict: 0 bad"}) {
+        "ok       exposure", "ok       blur", "ok       vertical offset", "result: 0 bad"}) {
     EXPECT_THAT(result.output, HasSubstr(item));
   }
 }

@@ -264,6 +264,22 @@ TEST(DetectionStageTest, ImagesReplaceRecordedBoxesThatStopUntilTheyReturn) {
   EXPECT_FALSE(step(10, false).detectors_run);
 }
 
+TEST(DetectionStageTest, FramesWithoutImagesTakeNoTurnOfTheDetectors) {
+  const PaintedStreet street({kMoving});
+  DetectionParams params = paramsFor("stereo_motion");
+  params.detect.period_s = 0.2;
+  DetectionStage stage(street.camera(), params);
+  int runs = 0;
+  for (int i = 0; i < 9; ++i) {
+    RecordedFrame poses;
+    poses.time = 0.1 * i - 0.02;  // just before the images
+    runs += stage.detectObjects(poses, std::nullopt).detectors_run ? 1 : 0;
+    RecordedFrame frame = frameOf(street, i);
+    runs += stage.detectObjects(frame, contextOf(frame)).detectors_run ? 1 : 0;
+  }
+  EXPECT_EQ(5, runs) << "frames 0, 2, 4, 6 and 8";
+}
+
 TEST(DetectionStageTest, AutoUsesANetworkIfThereIsAModel) {
   const PaintedStreet street({kMoving});
   DetectionParams params = paramsFor("auto");

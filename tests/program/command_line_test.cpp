@@ -6,6 +6,7 @@
 #include <headway/program/files.h>
 #include <headway_test/folders.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -33,6 +34,29 @@ TEST(CommandLineTest, ReadsArgumentsAndKeepsDefaults) {
   EXPECT_TRUE(overwrite);
   EXPECT_EQ(12u, from);
   EXPECT_TRUE(line.quiet());
+}
+
+TEST(CommandLineTest, AnEmptyValueTakesNoOtherWordAndTwoHyphensEndTheOptions) {
+  std::string input, label = "default";
+  bool overwrite = false;
+  const auto read = [&](std::vector<const char*> words) {
+    CommandLine line("program", "Summary");
+    line.positional(input, "FILE", "Input");
+    line.option(label, 'l', "label", "LABEL", "Its label");
+    line.flag(overwrite, 'w', "overwrite", "Overwrite files");
+    return parse(line, std::move(words));
+  };
+  EXPECT_TRUE(read({"a", "--label=", "-w"}));
+  EXPECT_EQ("", label);
+  EXPECT_TRUE(overwrite);
+  EXPECT_TRUE(read({"--label", "b", "--", "-a"}));
+  EXPECT_EQ("-a", input);
+  try {
+    (void)read({"a", "--overwrite=yes", "-l", "b"});
+    FAIL() << "a flag has no value";
+  } catch (const UsageError& error) {
+    EXPECT_EQ(nullptr, std::strstr(error.what(), "label")) << error.what();
+  }
 }
 
 TEST(CommandLineTest, ConfigurationFileThenSet) {

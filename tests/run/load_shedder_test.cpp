@@ -96,6 +96,17 @@ TEST(LoadShedderTest, StepsThatDoNotLastAreTriedMoreAndMoreRarely) {
   EXPECT_GT(times.back() - times[times.size() - 3], 20.0);
 }
 
+TEST(LoadShedderTest, MostScansAreLeftOutWhateverTheirPeriod) {
+  RuntimeParams full;
+  full.grid_period_s = 0.02;  // every frame
+  LoadShedder shedder(full);
+  for (int i = 0; i < 600 && shedder.level() != Level::kMostScans; ++i) {
+    (void)shedder.add(0.1 * i, 0.15, 0.1);
+  }
+  ASSERT_EQ(Level::kMostScans, shedder.level());
+  EXPECT_DOUBLE_EQ(0.4, shedder.params().grid_period_s) << "every fourth frame";
+}
+
 TEST(LoadShedderTest, FarBoxesAreCountedAsShed) {
   Perception perception(nullptr, {});
   RuntimeParams params;

@@ -9,9 +9,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
+#include <map>
+#include <set>
 #include <sstream>
 
 namespace headway::program {
@@ -152,6 +155,22 @@ mrpt::system::VerbosityLevel verbosityFrom(const std::string& name) {
   throw UsageError("--verbosity: '" + name + "' is none of DEBUG, INFO, WARN, ERROR");
 }
 
+/// The words after the program's name, in the reverse order that CLI11 takes. "--name=" is split
+/// from its empty value, because CLI11 would take the next word instead.
+std::vector<std::string> reversedWords(int argc, const char* const* argv) {
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i) {
+    std::string word = argv[i];
+    const bool has_empty_value =
+        word.size() > 3 && word.rfind("--", 0) == 0 && word.find('=') == word.size() - 1;
+    if (has_empty_value) word.pop_back();
+    words.push_back(word);
+    if (has_empty_value) words.emplace_back();
+  }
+  std::reverse(words.begin(), words.end());
+  return words;
+}
+
 }  // namespace
 
 struct CommandLine::Arguments {
@@ -279,8 +298,10 @@ void CommandLine::parameters(Params& params) {
 bool CommandLine::readWords(int argc, const char* const* argv) {
   CLI::App& app = arguments_->app;
   bool is_complete = true;
+  auto words = reversedWords(argc, argv);
+  const std::string last_word = words.empty() ? "" : words.front();
   try {
-    app.parse(argc, argv);
+    app.parse(words);
   } catch (const CLI::CallForHelp&) {
     printHelp(std::cout, app);
     return false;
@@ -290,16 +311,18 @@ bool CommandLine::readWords(int argc, const char* const* argv) {
   } catch (const CLI::RequiredError&) {
     is_complete = false;
   } catch (const CLI::ArgumentMismatch& error) {
-    // Only the last word can lack its value.
-    const auto* last = app.get_option_no_throw(argv[argc - 1]);
-    if (last == nullptr) throw usageError(error.what());
+    // An option without its value is the last word; a flag with one may be anywhere.
+    const auto* last = app.get_option_no_throw(last_word);
+    if (last == nullptr || last->get_positional() || last->get_expected_min() == 0) {
+      throw usageError(error.what());
+    }
     throw optionError(*last, "Missing a value for this argument!");
   } catch (const CLI::ParseError& error) {
     throw usageError(error.what());
   }
-  const auto unknown = app.remaining();
-  if (!unknown.empty()) {
-    throw usageError("Argument: " + unknown.front() + ": Couldn't find match for argument");
+  for (const auto& word : app.remaining()) {
+    if (word == "--") continue;  // CLI11 keeps the mark after which no word is an option
+    throw usageError("Argument: " + word + ": Couldn't find match for argument");
   }
   arguments_->read();
   if (!is_complete && !arguments_->dump_config) throw missingError(app);

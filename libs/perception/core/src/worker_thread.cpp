@@ -5,6 +5,12 @@
 #include <algorithm>
 #include <atomic>
 
+#ifdef __linux__
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
+
 namespace headway {
 namespace {
 
@@ -17,15 +23,6 @@ void requestStop(int reason) noexcept { g_reason = reason; }
 
 int stopRequest() noexcept { return g_reason; }
 
-}  // namespace headway
-
-#ifdef __linux__
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-#endif
-
-namespace headway {
 namespace {
 
 /// Lowers the priority of this thread; one that the system does not lower works as well.

@@ -18,7 +18,8 @@ constexpr double kLossScale = 2.0;  // of the joint Cauchy loss, in sigmas
 
 /// @param seconds  since the frame before
 stereo::PosePrior priorAt(const Pose& T_world_cam, double seconds) {
-  const double growth = seconds > 0.0 ? std::sqrt(tenthsOf(seconds)) : 1.0;
+  const double tenths = tenthsOf(seconds);
+  const double growth = tenths > 0.0 ? std::sqrt(tenths) : 1.0;
   stereo::Tangent sigmas;
   sigmas << Eigen::Vector3d::Constant(growth * kPriorTranslation),
       Eigen::Vector3d::Constant(growth * kPriorRotation);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Poses of the camera in the last frames, refined by static points.
 #pragma once
 
 #include <headway/core/pose.h>

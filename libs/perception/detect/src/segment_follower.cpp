@@ -23,8 +23,9 @@ constexpr double kEdge = 0.5;           // error of a segment's centre [px]
 constexpr double kEdgeRatio = 0.03;     // and ratio to its width
 constexpr double kSegmentDisparitySigma = 0.3;  // [px]
 constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
-constexpr double kMaxMissed_s = 0.35;           // three frames at 10 Hz
+constexpr double kMaxMissed_s = 0.35;           // three frames at 10 Hz; the next one at any rate
 constexpr double kFlowTime_s = 0.55;            // of the flows kept of a segment, five at 10 Hz
+constexpr std::size_t kMinFlows = 3;            // of these, at any rate: one may be a mismatch
 constexpr double kMinTravel = 0.3;              // within the window [m]
 
 double secondsOf(const std::deque<LateralSpeed>& flows) {
@@ -211,7 +212,8 @@ void SegmentFollower::follow(std::vector<UprightSegment> segments, const CameraP
                              const Eigen::Vector3d& up) {
   const auto ended = [&](const SegmentTrack& track) {
     return track.last_frame < path.oldest() ||
-           path.timeOf(path.newest()) - path.timeOf(track.last_frame) > kMaxMissed_s;
+           (path.newest() - track.last_frame > 1 &&
+            path.timeOf(path.newest()) - path.timeOf(track.last_frame) > kMaxMissed_s);
   };
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), ended), tracks_.end());
   std::vector<CandidatePair> candidates;
@@ -245,8 +247,14 @@ void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
   observations.erase(observations.begin(),
                      std::find_if_not(observations.begin(), observations.end(), old));
   if (!segment.hidden) observations.push_back({path.newest(), segment.uvd});
-  if (segment.across) track.across.push_back(*segment.across);
-  while (track.across.size() > 2 && secondsOf(track.across) > kFlowTime_s) track.across.pop_front();
+  // Flows of the same images are one measurement.
+  const Time now = path.timeOf(path.newest());
+  if (segment.across && now - track.last_flow > 0.5 * segment.across->seconds) {
+    track.across.push_back(*segment.across);
+    track.last_flow = now;
+  }
+  while (track.across.size() > kMinFlows && secondsOf(track.across) > kFlowTime_s)
+    track.across.pop_front();
   track.last_frame = path.newest();
   track.last_place = placeOf(segment, path, camera_);
   track.track.motion = fitMotion(observations, path, camera_, noiseOf(segment), 2.0);

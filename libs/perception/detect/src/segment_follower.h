@@ -6,6 +6,7 @@
 #include <headway/core/detection.h>
 
 #include <deque>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,8 +23,9 @@ struct SegmentTrack {
   PointTrack track;                 ///< its centres; `motion` fitted in each frame it is seen in
   UprightSegment segment;           ///< in the frame it was last seen in
   int last_frame = 0;               ///< it was last seen in
-  std::deque<LateralSpeed> across;  ///< in frames in which its flow was measured, newest last
-  Eigen::Vector3d last_place = Eigen::Vector3d::Zero();  ///< then, world of the path [m]
+  std::deque<LateralSpeed> across;  ///< its flows of different images, newest last
+  Time last_flow = -std::numeric_limits<double>::infinity();  ///< end of the newest of these
+  Eigen::Vector3d last_place = Eigen::Vector3d::Zero();       ///< then, world of the path [m]
 };
 
 /// Follows segments of a person's size over a short window to measure their velocities.

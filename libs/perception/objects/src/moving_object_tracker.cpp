@@ -196,7 +196,8 @@ class MovingObjectTracker::Implementation {
       shown[i]->historyAt(frame, time, history_);
       predictor_->predictInto(history_, predictions[i]);  // Sec. III-B
     }
-    const auto window = static_cast<std::size_t>(rate_.framesIn(params_.smoothing.window_s)) + 1;
+    const auto window =
+        static_cast<std::size_t>(rate_.observationsIn(params_.smoothing.window_s)) + 1;
     for (const auto& object : objects_) {
       object->finalise(window, time, update.finalised);
       if (auto expected = object->searchable(time)) update.expected.push_back(std::move(*expected));
@@ -227,7 +228,7 @@ class MovingObjectTracker::Implementation {
   ObjectsParams params_;
   MeasurementModel measurement_;
   ConsistencyCheck consistency_;
-  FrameRate rate_;  ///< of the frames with detection
+  DetectionRate rate_;  ///< of the frames with detection
   TrajectorySmoother smoother_;
   std::unique_ptr<Predictor> predictor_;
   std::vector<std::unique_ptr<TrackedObject>> objects_;  ///< ascending ids; 2 kB each

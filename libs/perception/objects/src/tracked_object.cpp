@@ -32,7 +32,7 @@ constexpr int kUnclassifiedRatio = 2;  // of hits of a track in which no classif
 }  // namespace
 
 TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
-                             const ObjectsParams& params, const FrameRate& rate)
+                             const ObjectsParams& params, const DetectionRate& rate)
     : params_(&params),
       rate_(&rate),
       id_(id),
@@ -88,7 +88,7 @@ void TrackedObject::confirm(const DetectionEvidence& evidence) {
   if (evidence.classifier_tested && evidence.classifier && evidence.motion) confirmed_ = true;
   const int needed_hits = (unclassified_hits_ == hits_ ? kUnclassifiedRatio : 1) *
                           rate_->observationsIn(life.confirm_time_s);
-  const double score = score_sum_ * (FrameRate::kUsual_hz / rate_->hz());
+  const double score = score_sum_ * (DetectionRate::kUsual_hz / rate_->hz());
   const bool sure = hits_ >= needed_hits && score >= life.confirm_score.of(group());
   confirmed_ = confirmed_ || sure || hits_ >= rate_->observationsIn(life.confirm_anyway_time_s);
 }

@@ -36,7 +36,7 @@ class TrackedObject {
  public:
   /// @param params, rate  must outlive the object
   TrackedObject(TrackId id, std::size_t frame, Time time, const MeasuredBox& first,
-                const ObjectsParams& params, const FrameRate& rate);
+                const ObjectsParams& params, const DetectionRate& rate);
 
   /// Predicts the state to the time of the next frame.
   void predict(const Transition& transition) {
@@ -100,7 +100,7 @@ class TrackedObject {
   void shrinkVelocity(Track& track) const;
 
   const ObjectsParams* params_;  ///< of the tracker; not null
-  const FrameRate* rate_;        ///< likewise
+  const DetectionRate* rate_;    ///< likewise
   TrackId id_;
   ClassEvidence class_;
   KalmanFilter filter_;

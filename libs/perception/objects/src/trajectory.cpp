@@ -18,7 +18,7 @@ Eigen::Vector3d carriedOn(const PlaceMeasurement& place, Time time,
 
 }  // namespace
 
-void FrameRate::add(Time time) {
+void DetectionRate::add(Time time) {
   if (last_) intervals_.push_back(time - *last_);
   last_ = time;
   if (intervals_.empty()) return;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/core/pose.h>
+#include <headway/core/statistics.h>
 #include <headway/core/track.h>
 #include <headway/objects/objects_params.h>
 
@@ -22,7 +23,7 @@ namespace headway::objects {
 /// Interval of the frames in which objects are detected, as their times show it.
 ///
 /// Frames that were dropped do not count: the median of the last intervals, in whole hertz.
-class FrameRate {
+class DetectionRate {
  public:
   /// Takes the time of the next frame.
   void add(Time time);
@@ -37,8 +38,8 @@ class FrameRate {
   [[nodiscard]] int observationsIn(double time_s) const { return std::max(2, framesIn(time_s)); }
   [[nodiscard]] double hz() const { return hz_; }
 
-  static constexpr double kUsual_hz =
-      10.0;  ///< before two frames are known; of given sums of scores
+  /// Before two frames are known; of given sums of scores.
+  static constexpr double kUsual_hz = headway::FrameRate::kAssumed_hz;
 
  private:
   double hz_ = kUsual_hz;
@@ -80,7 +81,7 @@ struct Trajectory {
 class TrajectorySmoother {
  public:
   /// @param rate  must outlive the smoother
-  TrajectorySmoother(const SmoothingParams& params, const FrameRate& rate)
+  TrajectorySmoother(const SmoothingParams& params, const DetectionRate& rate)
       : params_(params), rate_(rate) {}
 
   /// Updates the path after a position was appended; lines 5 to 11 of Algorithm 1.
@@ -100,7 +101,7 @@ class TrajectorySmoother {
   [[nodiscard]] PriorStiffness stiffnessOf(MotionGroup group, bool standing) const;
 
   SmoothingParams params_;
-  const FrameRate& rate_;
+  const DetectionRate& rate_;
   MotionPriorProblem problem_;           ///< its memory is used again
   std::vector<Eigen::Vector3d> places_;  ///< buffer of one path
 };

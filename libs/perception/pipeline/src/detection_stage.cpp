@@ -100,14 +100,14 @@ void DetectionStage::addRecorded(const RecordedFrame& frame, ObjectDetections& b
 
 void DetectionStage::restart() {
   last_run_.reset();
-  last_frame_.reset();
+  last_images_.reset();
   if (last_recorded_) last_recorded_ = -std::numeric_limits<double>::infinity();
   if (stereo_motion_) stereo_motion_.emplace(camera_, stereo_motion_params_);
 }
 
 bool DetectionStage::isDue(Time time) {
-  const double half_interval = last_frame_ ? 0.5 * (time - *last_frame_) : 0.0;
-  last_frame_ = time;
+  const double half_interval = last_images_ ? 0.5 * (time - *last_images_) : 0.0;
+  last_images_ = time;
   if (last_run_ && time + half_interval < *last_run_ + period_s_) return false;
   last_run_ = time;
   return true;
@@ -120,9 +120,9 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   ObjectDetections boxes;
   boxes.context = context;
   if (use_recorded_) addRecorded(frame, boxes);
-  const bool is_due = isDue(frame.time);
   const bool has_detectors = stereo_motion_ || (!automatic_ && !detectors_.empty());
-  boxes.detectors_run = is_due && frame.stereo && has_detectors;
+  // A frame of boxes or poses alone does not take the turn of one with images.
+  boxes.detectors_run = frame.stereo && isDue(frame.time) && has_detectors;
   if (boxes.detectors_run) {
     const bool with_images = !automatic_ || stereo_motion_;
     boxes.classified = has_network_ && with_images;

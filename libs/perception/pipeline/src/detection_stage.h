@@ -96,7 +96,7 @@ class DetectionStage {
   bool has_network_ = false;
   double period_s_ = 0.0;         ///< of image detectors [s]
   std::optional<Time> last_run_;  ///< of them
-  std::optional<Time> last_frame_;
+  std::optional<Time> last_images_;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
   WorkerThread matcher_;  ///< for stereo matching while SLAM runs

@@ -5,6 +5,7 @@
 #include <headway/core/error.h>
 #include <headway/pipeline/moving_regions.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace headway::pipeline {
@@ -69,7 +70,11 @@ std::optional<stereo::OffsetEstimate> Localisation::disparityOffset(const FrameS
   if (state.is_by_slam) return slam_->takeFreeOffset();
   const auto& static_points = state.found.motion.static_points;
   if (static_points.empty()) return std::nullopt;
-  offset_at_recorded_poses_.update(static_points, state.rate.lastInterval());
+  // Frames in which no detector ran have none.
+  const double seconds = offset_updated_ ? std::max(0.0, state.frame.time - *offset_updated_)
+                                         : state.rate.lastInterval();
+  offset_updated_ = state.frame.time;
+  offset_at_recorded_poses_.update(static_points, seconds);
   return offset_at_recorded_poses_.estimate();
 }
 

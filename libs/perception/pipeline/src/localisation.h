@@ -51,7 +51,8 @@ class Localisation {
   std::unique_ptr<slam::StereoSlam> slam_;  ///< null without camera
   stereo::FrontEnd front_end_;
   stereo::DisparityOffset offset_at_recorded_poses_;  ///< where SLAM does not estimate it
-  bool is_resumed_ = false;                           ///< the map frame is a stored map's
+  std::optional<Time> offset_updated_;
+  bool is_resumed_ = false;  ///< the map frame is a stored map's
   struct RecordedPose {
     std::size_t frame;
     Time time;

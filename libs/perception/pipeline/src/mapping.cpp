@@ -201,6 +201,7 @@ void Mapping::setPeriod(double period_s) {
 }
 
 void Mapping::setRate(double rate_hz) {
+  if (rate_hz == assumptions_.rate_hz) return;
   assumptions_.rate_hz = rate_hz;
   rig_ = rigOf(camera_.get(), assumptions_);
 }

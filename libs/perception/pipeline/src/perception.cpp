@@ -167,7 +167,7 @@ class OdometryHistory {
   }
 
  private:
-  static constexpr std::size_t kMaxFrames = 1000;  ///< several smoothing windows of the longest
+  static constexpr std::size_t kMaxFrames = 10000;  ///< the longest smoothing window at 500 Hz
   std::map<std::size_t, Pose> poses_;
 };
 

@@ -22,6 +22,7 @@ constexpr double kNearM = 30.0;     // a car ahead at 30 km/h is there in 3.6 s
 
 std::optional<std::string> LoadShedder::add(double now_s, double process_s, double interval_s) {
   ASSERTMSG_(interval_s > 0.0, "the interval of frames is not positive");
+  interval_s_ = interval_s;
   const double load = process_s / interval_s;
   if (!std::isfinite(load)) return std::nullopt;
   load_ = load_ ? *load_ + kGain * (load - *load_) : load;
@@ -60,7 +61,9 @@ void LoadShedder::recover(double now_s) {
 
 pipeline::RuntimeParams LoadShedder::params() const {
   pipeline::RuntimeParams params = full_;
-  if (level_ >= Level::kMostScans) params.grid_period_s *= kScansOfAll;
+  if (level_ >= Level::kMostScans && params.grid_period_s > 0.0) {
+    params.grid_period_s = kScansOfAll * std::max(params.grid_period_s, interval_s_);
+  }
   if (level_ >= Level::kScans) params.grid_period_s = 0.0;
   if (level_ >= Level::kFarBoxes) params.max_box_range_m = std::min(params.max_box_range_m, kNearM);
   return params;

@@ -50,6 +50,7 @@ class LoadShedder {
 
   pipeline::RuntimeParams full_;
   Level level_ = Level::kNothing;
+  double interval_s_ = 0.0;             ///< between the last two frames
   std::optional<double> load_;          ///< processing over interval, smoothed
   std::optional<double> over_since_;    ///< the load exceeds the interval
   std::optional<double> calm_since_;    ///< the load leaves room

@@ -2,6 +2,7 @@
 // Corners of images and their ORB descriptors.
 #include "keypoints.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <opencv2/core/hal/hal.hpp>

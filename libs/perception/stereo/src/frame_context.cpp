@@ -45,7 +45,6 @@ struct FrameContext::Values {
   DisparityParams params;
   double disparity_offset_px = 0.0;
   Eigen::Vector3d right_turn = Eigen::Vector3d::Zero();
-  double rate_hz = FrameRate::kAssumed_hz;
   std::optional<GroundPlane> ground;  ///< of the frame before until it is found in this one
   bool ground_searched = false;
   ImagePyramid left;
@@ -61,14 +60,13 @@ FrameContext::FrameContext(const StereoFrame& frame)
 FrameContext::FrameContext(const StereoFrame& frame, const DisparityParams& params,
                            double disparity_offset_px,
                            const std::optional<GroundPlane>& previous_ground,
-                           const Eigen::Vector3d& right_turn, double rate_hz)
+                           const Eigen::Vector3d& right_turn)
     : values_(std::make_shared<Values>()) {
   values_->frame = frame;
   values_->params = params;
   values_->disparity_offset_px = disparity_offset_px;
   values_->ground = previous_ground;
   values_->right_turn = right_turn;
-  values_->rate_hz = rate_hz;
 }
 
 const StereoFrame& FrameContext::frame() const { return values_->frame; }
@@ -111,8 +109,6 @@ const cv::Mat& FrameContext::reducedLeft() const {
   return values_->reduced_left;
 }
 
-double FrameContext::rateHz() const { return values_->rate_hz; }
-
 double FrameContext::disparityOffset() const { return values_->disparity_offset_px; }
 
 const Eigen::Vector3d& FrameContext::rightTurn() const { return values_->right_turn; }
@@ -140,12 +136,10 @@ const std::optional<GroundPlane>& FrameContext::lastGround() const { return valu
 FrontEnd::FrontEnd(const DisparityParams& params) : params_(validated(params)) {}
 
 FrameContext FrontEnd::next(const StereoFrame& frame, double disparity_offset_px) {
-  rate_.add(frame.time);
   StereoFrame exact = frame;
   exact.right = right_turn_.undone(frame.right);
   FrameContext context(exact, params_, disparity_offset_px,
-                       previous_ ? previous_->lastGround() : std::nullopt, right_turn_.angles(),
-                       rate_.hz());
+                       previous_ ? previous_->lastGround() : std::nullopt, right_turn_.angles());
   previous_ = context;
   return context;
 }

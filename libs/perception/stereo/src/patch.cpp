@@ -3,6 +3,7 @@
 #include <headway/stereo/patch.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 

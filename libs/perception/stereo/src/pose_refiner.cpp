@@ -4,6 +4,7 @@
 #include <headway/stereo/pose_refiner.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace headway::stereo {

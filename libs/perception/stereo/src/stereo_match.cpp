@@ -4,6 +4,7 @@
 #include <headway/stereo/stereo_match.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>

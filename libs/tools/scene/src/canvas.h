@@ -16,7 +16,7 @@
 namespace headway::scene {
 
 /// Colours of pictures and scenes but those of object classes, which are in
-/// headway/core/class_colour.h and the same in all themes.
+/// headway/core/object_class.h and the same in all themes.
 struct Palette {
   render::Backdrop backdrop;
   Colour grid;

@@ -36,7 +36,7 @@ class Progress {
   std::chrono::steady_clock::time_point last_shown_;
 };
 
-/// Converts SIGINT (Ctrl-C), SIGTERM and SIGHUP to a stop request (core/stop_request.h), so that
+/// Converts SIGINT (Ctrl-C), SIGTERM and SIGHUP to a stop request (core/worker_thread.h), so that
 /// loops can end cleanly; a second signal ends the program at once. Under nohup, SIGHUP
 /// remains ignored.
 void catchInterrupts();

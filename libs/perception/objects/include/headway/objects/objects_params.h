@@ -100,7 +100,8 @@ struct SmoothingParams {
 
 /// Confirmation, coasting and deletion of tracks.
 ///
-/// Times of detections are their number times the interval of the frames (FrameRate).
+/// Times of detections are their number times the interval of the frames in which
+/// objects are detected.
 struct LifecycleParams {
   double confirm_time_s = 0.2;  ///< detections of a confirmed track, at least two [s]
   PerClass<double> confirm_score = {-2.0, 2.0, 2.0};  ///< minimum sum of their scores, at 10 Hz [-]

@@ -77,7 +77,7 @@ struct PerceptionParams {
 
   /// For live operation: bundle adjustment, loop search and pose graph run in the background, so
   /// that results depend on timing. A network runs on the image as a whole, without tiles, and in
-  /// every second frame at most, so that two cores process 10 frames/s.
+  /// five times a second at most, so that two cores process 10 frames/s.
   [[nodiscard]] static PerceptionParams live() { return live(PerceptionParams()); }
   /// The same with other parameters.
   [[nodiscard]] static PerceptionParams live(PerceptionParams params);

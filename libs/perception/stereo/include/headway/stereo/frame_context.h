@@ -2,7 +2,6 @@
 // What SLAM and the detectors compute of a frame, each value once and when it is first used.
 #pragma once
 
-#include <headway/core/statistics.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/core/worker_thread.h>
 #include <headway/stereo/disparity.h>
@@ -39,11 +38,9 @@ class FrameContext {
   /// @param disparity_offset_px  measured less true disparity
   /// @param previous_ground      of the frame before, tried first
   /// @param right_turn           by which the right image was turned back, as rightTurn()
-  /// @param rate_hz              as rateHz()
   FrameContext(const StereoFrame& frame, const DisparityParams& params, double disparity_offset_px,
                const std::optional<GroundPlane>& previous_ground,
-               const Eigen::Vector3d& right_turn = Eigen::Vector3d::Zero(),
-               double rate_hz = FrameRate::kAssumed_hz);
+               const Eigen::Vector3d& right_turn = Eigen::Vector3d::Zero());
 
   [[nodiscard]] const StereoFrame& frame() const;
   [[nodiscard]] const StereoCamera& camera() const { return *frame().camera; }
@@ -64,9 +61,6 @@ class FrameContext {
   /// of which it differs are not comparable without turnedDisparity() [rad].
   [[nodiscard]] const Eigen::Vector3d& rightTurn() const;
 
-  /// Rate of the frames, as measured so far [Hz].
-  [[nodiscard]] double rateHz() const;
-
   /// Ground plane in the camera frame; nullopt where none is found (expected, not an error).
   [[nodiscard]] const std::optional<GroundPlane>& ground() const;
   /// The matching of the ground along its plane up to a depth, corrected by the offset, for another
@@ -80,7 +74,7 @@ class FrameContext {
   std::shared_ptr<Values> values_;
 };
 
-/// Makes the context of each frame from that of the frame before, and measures the rate of frames.
+/// Makes the context of each frame from that of the frame before.
 class FrontEnd {
  public:
   /// @throws InputError for parameters out of range
@@ -98,7 +92,6 @@ class FrontEnd {
 
  private:
   DisparityParams params_;
-  FrameRate rate_;
   RightTurn right_turn_;
   std::optional<FrameContext> previous_;
 };
