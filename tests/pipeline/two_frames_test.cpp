@@ -4,7 +4,9 @@
 #include <headway/pipeline/perception.h>
 #include <headway_test/textured_world.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace headway::pipeline {
@@ -22,9 +24,9 @@ Pose roundTheHall(int i) {
   return pose;
 }
 
-/// The frames, rendered once for all tests.
-const std::vector<StereoFrame>& framesRoundTheHall() {
-  static const std::vector<StereoFrame> frames = [] {
+/// A hall with a block of walls in its middle.
+const test::TexturedWorld& hall() {
+  static const test::TexturedWorld built = [] {
     test::TexturedWorld world(test::smallCamera(), 4);
     world.addRoom(16.0, 16.0, 4.0);
     using V = Eigen::Vector3d;
@@ -33,9 +35,17 @@ const std::vector<StereoFrame>& framesRoundTheHall() {
     world.boards.push_back({low + 4.0 * V::UnitY(), V::UnitX(), V::UnitZ(), 4.0, 4.0, {6.1, 5.2}});
     world.boards.push_back({low, V::UnitY(), V::UnitZ(), 4.0, 4.0, {2.1, 3.2}});
     world.boards.push_back({low + 4.0 * V::UnitX(), V::UnitY(), V::UnitZ(), 4.0, 4.0, {9.1, 7.2}});
+    return world;
+  }();
+  return built;
+}
+
+/// The frames, rendered once for all tests.
+const std::vector<StereoFrame>& framesRoundTheHall() {
+  static const std::vector<StereoFrame> frames = [] {
     std::vector<StereoFrame> rendered;
     for (int i = 0; i < kRoundFrames; ++i) {
-      rendered.push_back(world.frame(static_cast<std::size_t>(i), 0.1 * i, roundTheHall(i)));
+      rendered.push_back(hall().frame(static_cast<std::size_t>(i), 0.1 * i, roundTheHall(i)));
     }
     return rendered;
   }();
@@ -135,6 +145,78 @@ TEST(TwoFramesTest, ALoopMovesTheMapAndNoObjectInOdometry) {
   EXPECT_GT(tracks, 20);
   EXPECT_GE(moving, 5) << "frames after the loop";
   EXPECT_GE(standing, 5);
+}
+
+/// Distance of a point from the nearest wall, floor or ceiling [m].
+double distanceFromHall(const Eigen::Vector3d& point) {
+  double nearest = std::numeric_limits<double>::max();
+  for (const test::Board& board : hall().boards) {
+    const Eigen::Vector3d from = point - board.origin;
+    const double x = std::clamp(from.dot(board.u), 0.0, board.width);
+    const double y = std::clamp(from.dot(board.v), 0.0, board.height);
+    nearest = std::min(nearest, (from - x * board.u - y * board.v).norm());
+  }
+  return nearest;
+}
+
+/// Mean distance of the dense points near the robot from the hall, and of obstacles in the grid
+/// from its walls, when it is back at the beginning.
+struct LayerErrors {
+  double dense_m = 0.0, grid_m = 0.0;
+  std::size_t points = 0, cells = 0, loops = 0;
+};
+
+LayerErrors layersAfterRound(bool loop_closing) {
+  PerceptionParams params = paramsRound();
+  params.grid.period_s = 0.1;
+  params.dense.use = true;
+  params.slam.loop_closing = loop_closing;
+  Perception perception(framesRoundTheHall().front().camera, params);
+  LayerErrors errors;
+  Pose T_hall_map = Pose::Identity();
+  for (int i = 0; i < kRoundFrames; ++i) {
+    RecordedFrame frame = recorded(i);
+    frame.detections.reset();
+    const auto update = perception.process(frame);
+    errors.loops += update.camera.revision.cause == slam::MapChange::kLoop ? 1 : 0;
+    T_hall_map = roundTheHall(i) * update.camera.T_map_robot.inverse();
+  }
+  perception.updateDenseMap();
+  const auto add = [&](const Eigen::Vector3d& place, double& sum, std::size_t& count) {
+    sum += distanceFromHall(place);
+    ++count;
+  };
+  const auto& dense = *perception.map().dense();
+  for (std::size_t k = 0; k < dense.size(); ++k) {
+    Eigen::Vector3f point;
+    dense.getPoint(k, point.x(), point.y(), point.z());
+    add(T_hall_map * point.cast<double>(), errors.dense_m, errors.points);
+  }
+  const auto& grid = *perception.map().staticGrid();
+  for (int y = 0; y < static_cast<int>(grid.getSizeY()); ++y) {
+    for (int x = 0; x < static_cast<int>(grid.getSizeX()); ++x) {
+      if (grid.getCell(x, y) > 0.3F) continue;
+      // At the height of the camera, because the floor is nearer than any wall.
+      add(T_hall_map * Eigen::Vector3d(grid.idx2x(x), grid.idx2y(y), 0.0), errors.grid_m,
+          errors.cells);
+    }
+  }
+  errors.dense_m /= static_cast<double>(std::max<std::size_t>(errors.points, 1));
+  errors.grid_m /= static_cast<double>(std::max<std::size_t>(errors.cells, 1));
+  return errors;
+}
+
+TEST(TwoFramesTest, ALoopMovesGridAndDenseMapWithIt) {
+  const LayerErrors with_loop = layersAfterRound(true);
+  const LayerErrors without = layersAfterRound(false);
+  EXPECT_GE(with_loop.loops, 1U);
+  EXPECT_EQ(without.loops, 0U);
+  EXPECT_GT(with_loop.points, 500U);
+  EXPECT_GT(with_loop.cells, 10U);
+  EXPECT_LT(with_loop.dense_m, without.dense_m + 0.02);
+  EXPECT_LT(with_loop.grid_m, without.grid_m + 0.05);
+  EXPECT_LT(with_loop.dense_m, 0.2);
+  EXPECT_LT(with_loop.grid_m, 0.4) << "cells of 0.2 m";
 }
 
 std::size_t knownCells(const map::PerceptionMap& map) {
