@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <headway/run/source.h>
+#include <headway/run/session.h>
 
 #include <algorithm>
 #include <atomic>

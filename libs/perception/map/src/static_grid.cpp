@@ -4,7 +4,6 @@
 #include <headway/map/static_grid.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "evidence_grid.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parameters of the whole pipeline.
 #include <headway/core/error.h>
-#include <headway/core/statistics.h>
 #include <headway/pipeline/perception_params.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames of a recording at the rate of a live camera.
-#include <headway/run/source.h>
+#include <headway/run/session.h>
 
 #include <algorithm>
 #include <chrono>

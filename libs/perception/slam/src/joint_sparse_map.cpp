@@ -6,7 +6,6 @@
 #include <headway/core/statistics.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
 #include <optional>

@@ -7,7 +7,6 @@
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/map_view.h>
 
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string_view>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parameters of the SLAM, section [slam] of a configuration.
-#include <headway/core/statistics.h>
 #include <headway/slam/slam_params.h>
 
 namespace headway::slam {

@@ -6,7 +6,6 @@
 #include <headway/stereo/rectification.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 

@@ -4,7 +4,7 @@
 
 #include <headway/core/track.h>
 #include <headway/map/contact_probability.h>
-#include <headway/nav/predictive_obstacles_params.h>
+#include <headway/nav/moving_obstacles.h>
 
 #include <vector>
 
