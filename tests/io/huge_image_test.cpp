@@ -49,6 +49,24 @@ TEST_F(HugeImageTest, IsBrokenInEachFormat) {
   EXPECT_TRUE(decodeImage(std::string("II*\0\x08\0\0\0", 8)).empty());
 }
 
+// OpenCV releases the pixels that it could not decode but keeps their type, which has transparency here.
+TEST_F(HugeImageTest, IsWholeOrEmptyWhateverByteOfTransparentPixelsIsBroken) {
+  for (const char* ending : {".png", ".tif"}) {
+    std::vector<unsigned char> whole;
+    cv::imencode(ending, cv::Mat(8, 6, CV_8UC4, cv::Scalar(1, 2, 3, 4)), whole);
+    for (std::size_t size = 1; size < whole.size(); ++size) {
+      const cv::Mat image = decodeImage({reinterpret_cast<char*>(whole.data()), size});
+      EXPECT_TRUE(image.empty() || image.type() == CV_8UC3) << ending << " of " << size << " bytes";
+    }
+    for (std::size_t i = 8; i < whole.size(); ++i) {
+      std::vector<unsigned char> changed = whole;
+      changed[i] ^= 0x0F;
+      const cv::Mat image = decodeImage({reinterpret_cast<char*>(changed.data()), changed.size()});
+      EXPECT_TRUE(image.empty() || image.depth() == CV_8U) << ending << ", byte " << i;
+    }
+  }
+}
+
 TEST_F(HugeImageTest, CostsItsFrameOfARawlog) {
   const auto external = [](const std::string& name) {
     return test::objectBytes("mrpt::img::CImage", 9, '\1' + test::textBytes(name));

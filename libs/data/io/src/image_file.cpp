@@ -166,7 +166,8 @@ cv::Mat decodedWithinLimits(std::string_view bytes) {
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
                           const_cast<char*>(bytes.data()));
-    return cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+    const cv::Mat image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+    return image.empty() ? cv::Mat() : image;  // a released image keeps the type of its header
   } catch (const cv::Exception&) {
     return {};
   }
