@@ -2,7 +2,11 @@
 // The sub-commands of headway-import.
 #pragma once
 
+#include <headway/io/dataset.h>
 #include <headway/program/command_line.h>
+
+#include <memory>
+#include <string>
 
 namespace headway::import {
 
@@ -17,5 +21,10 @@ int runDataset(const std::string& dataset, const std::string& about, int argc, c
 int runRosbag(int argc, const char** argv);
 /// Checks a rawlog, or thins its frames.
 int runRawlog(int argc, const char** argv);
+
+/// Images of a folder, or of a video (MP4, AVI and others) with the times of its container.
+///
+/// @throws InputError if it is neither
+[[nodiscard]] std::unique_ptr<io::ImageSequence> openImages(const std::string& path);
 
 }  // namespace headway::import

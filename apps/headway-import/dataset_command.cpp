@@ -11,6 +11,7 @@
 #include <headway/program/progress.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -37,6 +38,8 @@ struct ImportOptions {
   std::string right;
   std::string depth;  ///< images: instead of right
   std::string calibration;
+  io::ImageTimes times;       ///< images: stated by the user
+  bool side_by_side = false;  ///< images: each contains both
 
   std::string output;
   bool check = false;
@@ -76,13 +79,19 @@ void addOxtsPath(CommandLine& line, ImportOptions& options) {
 
 void addDatasetOptions(CommandLine& line, ImportOptions& options) {
   if (options.dataset == "images") {
-    line.option(options.left, 0, "left", "DIR", "Folder of left images", true);
-    line.option(options.right, 0, "right", "DIR", "Folder of right images");
+    line.option(options.left, 0, "left", "DIR|VIDEO", "Folder or video of left images", true);
+    line.option(options.right, 0, "right", "DIR|VIDEO", "Folder or video of right images");
+    line.flag(options.side_by_side, 0, "side-by-side",
+              "Instead: each left image contains both, the right camera's in its right half");
     line.option(options.depth, 0, "depth", "DIR", "Instead: folder of depth images, 16-bit PNG");
     line.option(options.calibration, 0, "calibration", "FILE",
                 "Calibration of the pair: headway, MRPT, ROS, Kalibr, ORB-SLAM or OpenCV, two "
                 "files separated by a comma; with --depth: headway (doc/formats.md)",
                 true);
+    line.option(options.times.rate_hz, 0, "rate", "HZ", "Images per second");
+    line.option(options.times.file, 0, "times", "FILE",
+                "Times of the left images, one a line [s]; default: those of the calibration, of "
+                "times.txt, of the names, or 10 Hz");
     return;
   }
   line.positional(options.folder, "DIR", folderDescription(options.dataset));
@@ -142,8 +151,16 @@ void finish(ImportOptions& options) {
   if (options.dataset == "kitti-tracking" && !has_images && options.boxes.empty()) {
     options.boxes = kDefaultBoxes;
   }
-  if (options.dataset == "images" && options.right.empty() == options.depth.empty()) {
-    throw program::UsageError("give --right DIR for a stereo camera, or --depth DIR");
+  if (options.dataset == "images" &&
+      int(options.right.empty()) + int(options.depth.empty()) + int(!options.side_by_side) != 2) {
+    throw program::UsageError(
+        "give one of --right DIR and --side-by-side for a stereo camera, or --depth DIR");
+  }
+  if (!(options.times.rate_hz >= 0.0) || !std::isfinite(options.times.rate_hz)) {
+    throw program::UsageError("--rate: must be positive");
+  }
+  if (options.times.rate_hz > 0.0 && !options.times.file.empty()) {
+    throw program::UsageError("give --rate or --times, not both");
   }
   if (options.degrade && options.boxes.empty() && options.detections.empty()) {
     throw program::UsageError("--degrade requires --detections for this dataset");
@@ -199,9 +216,11 @@ std::unique_ptr<io::Dataset> openDataset(const ImportOptions& options) {
   if (options.dataset == "euroc") return io::openEuroc(options.folder);
   if (options.dataset == "tum-rgbd") return io::openTumRgbd(options.folder, options.calibration);
   if (!options.depth.empty()) {
-    return io::openDepthFolders(options.left, options.depth, options.calibration);
+    return io::openDepthFolders(options.left, options.depth, options.calibration, options.times);
   }
-  return io::openImageFolders(options.left, options.right, options.calibration);
+  return io::openStereoImages(openImages(options.left),
+                              options.side_by_side ? nullptr : openImages(options.right),
+                              options.calibration, options.times);
 }
 
 /// Replaces the boxes and poses of the dataset by those of side files.
@@ -307,6 +326,9 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
   program::Progress progress("frames", options.quiet);
   for (std::size_t index = first; index < end && !summary.interrupted; ++index) {
     io::DatasetFrame frame = dataset.frame(index);
+    if (index == first && dataset.warnings().count(io::kTimesAssumed) > 0) {
+      sink.writeTimesAssumed(frame.time);
+    }
     side_files.applyTo(frame, index);
     sensors.writeUntil(frame.time, sink);
     write(sink, frame, dataset);
@@ -339,6 +361,9 @@ int runDataset(const std::string& dataset_name, const std::string& about, int ar
   program::requireWritable(options->output, options->overwrite,
                            {options->detections, options->poses, options->calibration});
   const auto dataset = openDataset(*options);
+  for (const auto& [name, warning] : dataset->warnings()) {
+    std::cerr << "headway-import: warning: " << name << ": " << warning.text << std::endl;
+  }
   program::catchInterrupts();
   const auto summary = importDataset(*dataset, *options);
   if (!options->quiet) report(*options, summary);

@@ -9,6 +9,7 @@
 #include <headway/core/statistics.h>
 #include <headway/core/text.h>
 #include <headway/io/mrpt_time.h>
+#include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/program/progress.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
@@ -17,6 +18,7 @@
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <unistd.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -138,6 +140,7 @@ void addClock(const std::vector<float>& offsets, CheckItem& item) {
 }
 
 void TimeCheck::add(const mrpt::obs::CObservation& observation) {
+  if (observation.sensorLabel == io::kTimesAssumed) return;  // said by the images' reader
   const std::string class_name = classNameOf(observation);
   const auto& label = observation.sensorLabel;
   const std::pair<std::string, std::string> key{label.empty() ? class_name : label, class_name};
@@ -273,7 +276,7 @@ CheckItem TimeCheck::pairOffset(const std::string& labels, std::vector<double> d
 /// Rotation of a camera between two images.
 struct RotationStep {
   Time begin = 0.0, end = 0.0;
-  double angle = 0.0;  ///< [rad], not negative
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< from begin to end, camera frame [rad]
 };
 
 struct ClockOffset {
@@ -288,35 +291,37 @@ constexpr double kMinDeviation = 0.02;  // of the rates [rad/s]
 constexpr double kMinCorrelation = 0.7;
 constexpr double kMaxSampleGap = 0.25;  // [s]
 
-/// The gyroscope's angle of rotation from its start, interpolated between samples.
+/// The gyroscope's rotation vector, summed from its start and interpolated between samples. Steps
+/// are short, so that their rotations commute to 1 %.
 class RotationSum {
  public:
   explicit RotationSum(const std::vector<RotationSample>& samples) {
     for (const auto& sample : samples) {
       if (!times_.empty() && sample.time <= times_.back()) continue;
       const double dt = times_.empty() ? 0.0 : sample.time - times_.back();
-      const double rate = sample.rate.norm();
-      sums_.push_back(times_.empty() ? 0.0 : sums_.back() + 0.5 * dt * (rate + last_rate_));
+      sums_.push_back(times_.empty()
+                          ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                          : Eigen::Vector3d(sums_.back() + 0.5 * dt * (sample.rate + last_rate_)));
       times_.push_back(sample.time);
-      last_rate_ = rate;
+      last_rate_ = sample.rate;
     }
   }
 
   /// nullopt beyond the samples and in gaps.
-  [[nodiscard]] std::optional<double> at(Time time) const {
+  [[nodiscard]] std::optional<Eigen::Vector3d> at(Time time) const {
     const auto after = std::lower_bound(times_.begin(), times_.end(), time);
     if (after == times_.begin() || after == times_.end()) return std::nullopt;
     const auto i = static_cast<std::size_t>(after - times_.begin());
     const double gap = times_[i] - times_[i - 1];
     if (gap > kMaxSampleGap) return std::nullopt;
     const double ratio = (time - times_[i - 1]) / gap;
-    return (1.0 - ratio) * sums_[i - 1] + ratio * sums_[i];
+    return Eigen::Vector3d((1.0 - ratio) * sums_[i - 1] + ratio * sums_[i]);
   }
 
  private:
   std::vector<Time> times_;
-  std::vector<double> sums_;
-  double last_rate_ = 0.0;
+  std::vector<Eigen::Vector3d> sums_;
+  Eigen::Vector3d last_rate_ = Eigen::Vector3d::Zero();
 };
 
 struct Correlation {
@@ -324,25 +329,37 @@ struct Correlation {
   double camera_deviation = 0.0;  ///< [rad/s]
 };
 
-/// Of the mean rates in all steps, the gyroscope's times taken to be later by an offset.
+/// Of the mean rates in all steps, the gyroscope's times taken to be later by an offset, in the
+/// rotation of the gyroscope's axes that fits best: lengths alone fit worse, since the noise of a
+/// still camera is positive. See Kabsch 1976.
 std::optional<Correlation> correlationAt(const std::vector<RotationStep>& steps,
                                          const RotationSum& sum, double offset) {
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+  double n = 0.0, aa = 0.0, bb = 0.0;
+  Eigen::Vector3d a_sum = Eigen::Vector3d::Zero(), b_sum = a_sum;
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   for (const auto& step : steps) {
     const auto begin = sum.at(step.begin + offset), end = sum.at(step.end + offset);
     if (!begin || !end) continue;
     const double dt = step.end - step.begin;
-    const double a = step.angle / dt, b = (*end - *begin) / dt;
-    n += 1.0, x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
+    const Eigen::Vector3d a = step.turn / dt, b = (*end - *begin) / dt;
+    n += 1.0, a_sum += a, b_sum += b, aa += a.squaredNorm(), bb += b.squaredNorm();
+    products += a * b.transpose();
   }
   if (n < static_cast<double>(kMinSteps)) return std::nullopt;
-  const double a = xx / n - x * x / n / n, b = yy / n - y * y / n / n;
-  if (!(a > 0.0 && b > 0.0)) return std::nullopt;
-  return Correlation{(xy / n - x * y / n / n) / std::sqrt(a * b), std::sqrt(a)};
+  const double a_variance = aa / n - (a_sum / n).squaredNorm();
+  const double b_variance = bb / n - (b_sum / n).squaredNorm();
+  if (!(a_variance > 0.0 && b_variance > 0.0)) return std::nullopt;
+  const Eigen::Matrix3d covariance = products / n - a_sum / n * (b_sum / n).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> squares(covariance.transpose() * covariance,
+                                                               Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d singular = squares.eigenvalues().cwiseMax(0.0).cwiseSqrt();  // ascending
+  const double sign = covariance.determinant() < 0.0 ? -1.0 : 1.0;
+  const double fit = singular[2] + singular[1] + sign * singular[0];
+  return Correlation{fit / std::sqrt(a_variance * b_variance), std::sqrt(a_variance)};
 }
 
-/// The offset at which the angles of rotation of camera and gyroscope correlate best, whatever the
-/// mounting of both; nullopt if they rotate too little, or do not correlate.
+/// The offset at which the rotations of camera and gyroscope correlate best, whatever the mounting
+/// of both; nullopt if they rotate too little, or do not correlate.
 std::optional<ClockOffset> clockOffset(const std::vector<RotationStep>& steps,
                                        const std::vector<RotationSample>& samples) {
   const RotationSum sum(samples);
@@ -469,9 +486,10 @@ void ImageCheck::addRotation(const StereoFrame& frame) {
     return;
   }
   using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const double angle = logSo3(Eigen::Map<const Rotation>(rotation.ptr<double>())).norm();
+  // The rotation maps points of the image before into this one: the camera turned by its inverse.
+  const Eigen::Vector3d turn = -logSo3(Eigen::Map<const Rotation>(rotation.ptr<double>()));
   constexpr double kImplausible = 0.7;  // [rad]
-  if (angle <= kImplausible) steps_.push_back({begin, frame.time, angle});
+  if (turn.norm() <= kImplausible) steps_.push_back({begin, frame.time, turn});
 }
 
 std::vector<CheckItem> ImageCheck::items() const {
@@ -529,7 +547,7 @@ CheckItem ImageCheck::pairItem() const {
   if (offset.rating != Rating::kOk) offset.advice = "calibrate again and tighten the cameras";
   if (vertical_.empty()) {
     offset.rating = Rating::kBad;
-    offset.advice = "left and right show nothing in common: is it the right camera? swapped?";
+    offset.advice = io::kNothingMatches;
   }
   return offset;
 }
@@ -625,6 +643,11 @@ std::vector<CheckItem> imageItems(const std::string& path, const std::string& se
     if (frames > 0) {
       append(items, images.items());
       append(items, images.clockItems(times.rotations()));
+    }
+    const auto warnings = source.warnings();
+    const auto assumed = warnings.find(io::kTimesAssumed);
+    if (assumed != warnings.end()) {
+      items.push_back({io::kTimesAssumed, "10 Hz", Rating::kWarning, assumed->second.text});
     }
     append(items, skippedItems(source.skipped()));
   } catch (const InputError& error) {

@@ -259,12 +259,107 @@ TEST_F(DatasetTest, PairsImageFoldersByTheOrderOfNames) {
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("t.txt: has 1 times for 3 images"));
   write("c.yaml", calibration + "frame_rate_hz: 0\n");
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("frame_rate_hz"));
+  write("c.yaml", calibration);
   fs::remove(folder_ / "l/left8.png");
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("must contain the same number"));
   EXPECT_THAT(test::errorOf([&] {
                 (void)openImageFolders(folder_ / "nowhere", folder_ / "r", folder_ / "c.yaml");
               }),
               HasSubstr("nowhere: is not a readable folder"));
+}
+
+/// Times of the frames of two folders.
+std::vector<Time> timesOf(const Dataset& dataset) {
+  std::vector<Time> times;
+  for (std::size_t i = 0; i < dataset.size(); ++i) times.push_back(dataset.frame(i).time);
+  return times;
+}
+
+TEST_F(DatasetTest, TimesOfImagesAreTakenInTheDocumentedOrder) {
+  const std::string calibration =
+      "image_size: [160, 120]\nleft: [100, 100, 80, 60]\nbaseline_m: 0.2\n";
+  // Microseconds; the names are not in the order of the numbers' digits.
+  for (const char* name : {"f_1700000000000000", "f_1700000000100000", "f_1700000000050000"}) {
+    for (const char* side : {"n/l/", "n/r/"}) {
+      writeImage(side + std::string(name) + ".png", test::wall(0).left);
+    }
+  }
+  const auto open = [&](const ImageTimes& times = {}) {
+    return openImageFolders(folder_ / "n/l", folder_ / "n/r", folder_ / "c.yaml", times);
+  };
+  using Times = std::vector<Time>;
+  write("c.yaml", calibration);
+  EXPECT_THAT(timesOf(*open()), ::testing::Pointwise(::testing::DoubleNear(1e-6),
+                                                     Times{1.7e9, 1.7e9 + 0.05, 1.7e9 + 0.1}));
+  EXPECT_TRUE(open()->warnings().empty());
+  write("n/times.txt", "4\n5\n6\n");
+  EXPECT_EQ((Times{4, 5, 6}), timesOf(*open())) << "beside both folders";
+  write("c.yaml", calibration + "frame_rate_hz: 4\n");
+  EXPECT_EQ((Times{0, 0.25, 0.5}), timesOf(*open()));
+  EXPECT_EQ((Times{0, 0.5, 1}), timesOf(*open({2.0, ""})));
+  write("t", "1\n3\n7\n");
+  EXPECT_EQ((Times{1, 3, 7}), timesOf(*open({0.0, folder_ / "t"})));
+  write("t", "1\nnan\n7\n");
+  EXPECT_THAT(test::errorOf([&] { (void)open({0.0, folder_ / "t"}); }), HasSubstr("t:2"));
+}
+
+TEST_F(DatasetTest, ImagesWithoutTimesGetARateAndAWarning) {
+  // Counters, numbers before the year 2000, and two units are no times.
+  for (const auto& [first, second] : {std::pair("1", "2"), std::pair("900000000", "900000001"),
+                                      std::pair("1700000000", "1700000000100")}) {
+    const std::string folder = std::string("f") + first;
+    for (const char* side : {"/l/", "/r/"}) {
+      writeImage(folder + side + first + ".png", test::wall(0).left);
+      writeImage(folder + side + second + ".png", test::wall(0).right);
+    }
+    write("c.yaml", "image_size: [160, 120]\nleft: [100, 100, 80, 60]\nbaseline_m: 0.2\n");
+    const auto dataset =
+        openImageFolders(folder_ / (folder + "/l"), folder_ / (folder + "/r"), folder_ / "c.yaml");
+    EXPECT_EQ((std::vector<Time>{0.0, 0.1}), timesOf(*dataset)) << folder;
+    EXPECT_EQ(1u, dataset->warnings().count("times_assumed")) << folder;
+    RawlogSink sink(folder_ / "x.rawlog", ImageStorage::kEmbeddedRaw);
+    sink.writeTimesAssumed(0.0);
+    sink.writeStereo(0.1, test::wall(0).left, test::wall(0).right, *dataset->camera());
+    sink.close();
+    RawlogSource source(folder_ / "x.rawlog", {});
+    EXPECT_EQ(1u, source.warnings().count("times_assumed"));
+    EXPECT_TRUE(source.skipped().empty());
+  }
+}
+
+TEST_F(DatasetTest, ImagesWithTimesArePairedByTime) {
+  write("c.yaml", "image_size: [160, 120]\nleft: [100, 100, 80, 60]\nbaseline_m: 0.2\n");
+  for (int i = 0; i < 4; ++i) {
+    const auto name = [i](const char* side, int ms) {
+      return side + std::to_string(1700000000000 + 100 * i + ms) + ".jpg";
+    };
+    writeImage(name("l/", 0), test::wall(i).left);
+    if (i != 1) writeImage(name("r/", 4), test::wall(i).right);
+    writeImage(name("late/", 40), test::wall(i).right);
+  }
+  const auto dataset = openImageFolders(folder_ / "l", folder_ / "r", folder_ / "c.yaml");
+  EXPECT_EQ(3u, dataset->size());
+  EXPECT_NEAR(1.7e9 + 0.2, dataset->frame(1).time, 1e-6);
+  EXPECT_EQ((std::map<std::string, std::size_t>{{"unpaired_image", 1}}), dataset->dropped());
+  EXPECT_THAT(test::errorOf([&] {
+                (void)openImageFolders(folder_ / "l", folder_ / "late", folder_ / "c.yaml");
+              }),
+              HasSubstr("0.04 s apart or more, allowed are 0.01 s: the cameras are not "
+                        "synchronised"));
+}
+
+TEST_F(DatasetTest, ImagesSideBySideAreSplit) {
+  write("c.yaml", "image_size: [160, 120]\nleft: [100, 100, 80, 60]\nbaseline_m: 0.2\n");
+  cv::Mat both;
+  cv::hconcat(test::wall(3).left, test::wall(3).right, both);
+  writeImage("b/0.png", both);
+  const auto dataset = openStereoImages(imagesOfFolder(folder_ / "b"), nullptr, folder_ / "c.yaml");
+  EXPECT_TRUE(test::sameImage(test::wall(3).left, dataset->frame(0).left));
+  EXPECT_TRUE(test::sameImage(test::wall(3).right, dataset->frame(0).right));
+  EXPECT_THAT(test::errorOf([&] {
+                (void)openImageFolders(folder_ / "b", folder_ / "b", folder_ / "c.yaml");
+              }),
+              HasSubstr("--side-by-side"));
 }
 
 TEST_F(DatasetTest, RealEurocCamerasLookForwardAndTruthIsLevel) {

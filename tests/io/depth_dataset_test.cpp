@@ -97,6 +97,25 @@ TEST_F(DepthDatasetTest, ImagesWithoutDepthAreCounted) {
               HasSubstr("no image of rgb.txt has a depth image within 0.02 s"));
 }
 
+TEST_F(DepthDatasetTest, TumFoldersOfLinksAreReadAndPointersAreNamed) {
+  writeTum("t", 2);
+  fs::rename(folder_ / "t/rgb", folder_ / "elsewhere");
+  fs::create_directories(folder_ / "t/rgb");
+  for (const char* name : {"0.png", "1.png"}) {
+    fs::create_symlink(folder_ / "elsewhere" / name, folder_ / "t/rgb" / name);
+  }
+  EXPECT_TRUE(
+      test::sameImage(test::wall(1, 8, {640, 480}).left, openTumRgbd(at("t"), "")->frame(1).left));
+  const std::string pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 9\n";
+  for (const char* name : {"elsewhere/0.png", "t/depth/1.png", "x.rawlog"}) write(name, pointer);
+  for (const std::size_t index : {0U, 1U}) {
+    EXPECT_THAT(test::errorOf([&] { (void)openTumRgbd(at("t"), "")->frame(index); }),
+                HasSubstr("is a Git-LFS pointer"));
+  }
+  EXPECT_THAT(test::errorOf([&] { RawlogSource source(at("x.rawlog"), {}); }),
+              HasSubstr("x.rawlog: is a Git-LFS pointer"));
+}
+
 TEST_F(DepthDatasetTest, BrokenTumSequencesNameTheFile) {
   const auto message = [&] {
     return test::errorOf([&] { (void)openTumRgbd(at("t"), "")->frame(0); });

@@ -11,7 +11,9 @@
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <regex>
 
 #include "foreign_recording.h"
@@ -185,12 +187,70 @@ TEST_F(RecordingCheckTest, UsageIsChecked) {
   EXPECT_EQ(1, import("rawlog " + at("none.rawlog") + " --check").status);
 }
 
+/// Frames of the bundled hall with right images that are `rows(i)` px lower, or of another place.
+void writeHall(const std::string& path, bool is_other, const std::function<int(int)>& rows) {
+  static const auto frames = [] {
+    RawlogSource source(std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog", {});
+    return test::framesOf(source);
+  }();
+  RawlogSink sink(path, ImageStorage::kEmbeddedRaw);
+  for (int i = 0; i < 30; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const auto& left = *frames[index].stereo;
+    const cv::Mat& right = frames[is_other ? frames.size() - 1 - index : index].stereo->right;
+    const cv::Matx23d down(1, 0, 0, 0, 1, rows(i));
+    cv::Mat moved;
+    cv::warpAffine(right, moved, down, right.size(), cv::INTER_NEAREST, cv::BORDER_REFLECT);
+    sink.writeStereo(left.time, left.left, moved, rawFrom(*left.camera));
+  }
+  sink.close();
+}
+
+TEST_F(RecordingCheckTest, PairsThatHaveNothingInCommonAreRefusedInTheFirstSecond) {
+  const auto framesBeforeRefusal = [&](std::size_t& frames) {
+    return test::errorOf([&] {
+      RawlogSource source(at("x.rawlog"), {});
+      while (source.next()) ++frames;
+    });
+  };
+  std::size_t frames = 0;
+  writeHall(at("x.rawlog"), true, [](int) { return 0; });
+  EXPECT_THAT(framesBeforeRefusal(frames),
+              HasSubstr("nothing matches: the cameras see different things, or are not "
+                        "synchronised"));
+  EXPECT_LT(frames, 15u) << "the hall has 15 a second";
+  const auto result = check("x.rawlog");
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.output, HasSubstr("nothing matches"));
+  frames = 0;
+  writeHall(at("x.rawlog"), false, [](int i) { return -7 + 2 * i; });  // while the cameras nod
+  EXPECT_THAT(framesBeforeRefusal(frames), HasSubstr("not synchronised (rows differ by"));
+  EXPECT_LT(frames, 15u) << "the hall has 15 a second";
+  for (const int row : {0, 3, 12}) {  // as of a camera that is turned in its mounting
+    frames = 0;
+    writeHall(at("x.rawlog"), false, [&](int) { return row; });
+    EXPECT_EQ("no error", framesBeforeRefusal(frames)) << row;
+    EXPECT_EQ(30u, frames);
+  }
+}
+
 /// The stated offset of the inertial sensor's times [ms].
 double statedOffset(const std::string& output) {
   std::smatch match;
   EXPECT_TRUE(std::regex_search(output, match, std::regex("inertial times ([+-][0-9]+) ms")))
       << output;
   return match.empty() ? 1e9 : std::stod(match[1].str());
+}
+
+TEST_F(RecordingCheckTest, ExactTimesOfAnInertialSensorAreOk) {
+  for (const int seed : {1, 2}) {
+    const auto made = test::runProcess(
+        std::string(HEADWAY_BIN_DIR) + "/headway-sim -q -w -c " + HEADWAY_SOURCE_DIR +
+        "/config/worlds/hall.ini --rig small --frames 100 --set camera.imu=true --seed " +
+        std::to_string(seed) + " -o " + at("x.rawlog"));
+    ASSERT_EQ(0, made.status) << made.output;
+    EXPECT_NEAR(0.0, statedOffset(check("x.rawlog").output), 4.0) << seed;
+  }
 }
 
 TEST_F(RecordingCheckTest, TheClockOfAnInertialSensorIsMeasured) {

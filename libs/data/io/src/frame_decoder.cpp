@@ -205,8 +205,7 @@ CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
   const auto left_corners = matcher.spreadCorners(left);
   const auto right_corners = matcher.spreadCorners(right);
   const double max_disparity = params.max_disparity_ratio * left.cols;
-  std::vector<double> vertical;
-  std::vector<double> horizontal;
+  std::vector<double> vertical, horizontal, rows;
   for (const auto& corner : left_corners) {
     const Corner* match = matcher.bestMatch(corner, right_corners, max_disparity);
     if (match == nullptr) continue;
@@ -214,14 +213,17 @@ CalibrationReport measureCalibration(const cv::Mat& left, const cv::Mat& right,
     if (back == nullptr || !matcher.areNeighbours(*back, corner)) continue;
     const cv::Point2d place = matcher.refined(corner, *match, right);
     horizontal.push_back(corner.u - place.x);
-    vertical.push_back(std::abs(corner.v - place.y));
+    rows.push_back(corner.v - place.y);
+    vertical.push_back(std::abs(rows.back()));
   }
   CalibrationReport report;
   report.baseline_m = camera.baseline_m;
   report.focal_px = camera.fx;
   report.vertical_disparity_px = median(vertical);
   report.median_disparity_px = median(horizontal);
+  report.row_offset_px = median(rows);
   report.matches = horizontal.size();
+  report.corners = std::min(left_corners.size(), right_corners.size());
   return report;
 }
 
@@ -339,6 +341,43 @@ void FrameDecoder::requireTwoCameras(const DecodedPair& images) {
                    std::to_string(kComparedPairs) +
                    " pairs: the same camera was recorded twice; record the right camera, or select "
                    "two labels by --sensor-label LEFT,RIGHT");
+}
+
+void FrameDecoder::requireMatching(const StereoFrame& frame) {
+  constexpr double kDarkGrey = 20.0;       // mean grey level below which corners are noise
+  constexpr double kSpacingS = 0.2;        // of the compared pairs: they span a second
+  constexpr std::size_t kMinCorners = 80;  // of each image, of up to 1,024: enough for 20 matches
+  constexpr double kMaxTurnRad = 0.045;    // of a camera in its mounting, which is no reason here
+  constexpr double kMaxDisparityRatio = 0.5;  // of the width, at 0.2 m or farther
+  constexpr double kMaxRowChangePx = 4.0;     // a rig's rows are constant to 0.5 px
+  if (frame.right.empty() || compared_ >= kComparedPairs ||
+      (compared_ > 0 && std::abs(frame.time - last_compared_) < kSpacingS) ||
+      cv::mean(frame.left)[0] < kDarkGrey || cv::mean(frame.right)[0] < kDarkGrey) {
+    return;
+  }
+  CalibrationMatching wide;
+  wide.max_disparity_ratio = kMaxDisparityRatio;
+  auto report = measureCalibration(frame.left, frame.right, *camera_, wide);
+  if (report.corners < kMinCorners) return;
+  wide.row_band_px = std::max(wide.row_band_px, kMaxTurnRad * camera_->fy);
+  if (report.matches < kMinMatches) {
+    report = measureCalibration(frame.left, frame.right, *camera_, wide);
+  }
+  last_compared_ = frame.time;
+  most_matches_ = std::max(most_matches_, report.matches);
+  if (report.matches >= kMinMatches) rows_px_.push_back(report.row_offset_px);
+  if (++compared_ < kComparedPairs) return;
+  std::string reason;
+  if (most_matches_ < kMinMatches) {
+    reason = formatted(" (at most %zu matches a pair", most_matches_);
+  } else {
+    const auto [lowest, highest] = std::minmax_element(rows_px_.begin(), rows_px_.end());
+    if (*highest - *lowest < kMaxRowChangePx) return;
+    reason = formatted(" (rows differ by %+.1f to %+.1f px from pair to pair", *lowest, *highest);
+  }
+  throw InputError(std::string("stereo images: ") + kNothingMatches + reason + ", in the first " +
+                   std::to_string(kComparedPairs) +
+                   " compared); check their order and times, and trigger the cameras together");
 }
 
 StereoFrame FrameDecoder::stereoFrame(const DecodedPair& images) const {

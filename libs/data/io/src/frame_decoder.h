@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "frame_collector.h"
 #include "rectifier.h"
@@ -49,6 +50,13 @@ class FrameDecoder {
   /// @throws InputError if they are identical
   void requireTwoCameras(const DecodedPair& images);
 
+  /// Matches some pairs of the first second that have corners, in a band of rows that a turned
+  /// camera needs as well.
+  ///
+  /// @throws InputError if nothing matches in any, or their rows differ from pair to pair, as those
+  ///         of cameras that are not synchronised while they turn
+  void requireMatching(const StereoFrame& frame);
+
   /// The rectified images. Requires calibrate().
   [[nodiscard]] StereoFrame stereoFrame(const DecodedPair& images) const;
   /// The rectified right image in colour; empty if it is grey.
@@ -78,6 +86,10 @@ class FrameDecoder {
   std::optional<CalibrationReport> report_;
   std::size_t identical_pairs_ = 0;
   bool are_two_cameras_ = false;
+  std::size_t compared_ = 0;      ///< pairs, by requireMatching()
+  Time last_compared_ = 0.0;      ///< of the latest of them
+  std::size_t most_matches_ = 0;  ///< in one of them
+  std::vector<double> rows_px_;   ///< offset of those with matches
 };
 
 }  // namespace headway::io

@@ -8,10 +8,12 @@
 #include <headway/io/rawlog_source.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <set>
+#include <string_view>
 #include <vector>
 
 #include "text_rows.h"
@@ -28,6 +30,11 @@ void requireSizeOf(const cv::Mat& image, const std::string& path, const RawCamer
   throw InputError(path + ": has " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
                    " px, but the calibration is of images of " + std::to_string(lens.width) + "x" +
                    std::to_string(lens.height) + " px");
+}
+
+void requireNoPointer(const cv::Mat& image, const std::string& path) {
+  const std::string fault = image.empty() ? lfsPointerFault(path) : "";
+  if (!fault.empty()) throw InputError(path + ": " + fault);
 }
 
 }  // namespace
@@ -88,8 +95,16 @@ std::vector<std::string> imagesIn(const std::string& folder) {
   return paths;
 }
 
+std::string lfsPointerFault(const std::string& path) {
+  constexpr std::string_view kBegin = "version https://git-lfs.github.com/spec/";  // of pointers
+  std::string begin(kBegin.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), kBegin.size());
+  return begin == kBegin ? "is a Git-LFS pointer, not the file itself: run git lfs pull" : "";
+}
+
 cv::Mat requireImage(const std::string& path) {
   cv::Mat image = loadImage(path);
+  requireNoPointer(image, path);
   if (image.empty() && isDeepImageFile(path)) {
     throw InputError(path +
                      ": has 16 bits per channel, of which headway reads 8: convert the "
@@ -109,6 +124,7 @@ cv::Mat requireImageOf(const std::string& path, const RawCamera& lens) {
 
 cv::Mat requireDepthImageOf(const std::string& path, const RawCamera& lens) {
   cv::Mat depth = loadDepthImage(path);
+  requireNoPointer(depth, path);
   if (depth.empty()) {
     throw InputError(path +
                      ": missing, broken, or not a PNG with 16 bits and one channel, as a "
@@ -128,8 +144,34 @@ RawStereoCamera leftAlone(const RawDepthCamera& camera) {
 std::vector<Time> readTimes(const std::string& path) {
   std::vector<Time> times;
   TextRows rows(path);
-  while (rows.next()) times.push_back(rows.number(0));
+  while (rows.next()) {
+    times.push_back(rows.number(0));
+    if (!std::isfinite(times.back())) rows.fail("the time is not a number");
+  }
   return times;
+}
+
+void requireTimesFor(std::size_t images, const std::string& path, const std::vector<Time>& times) {
+  if (times.size() >= images) return;
+  throw InputError(path + ": has " + std::to_string(times.size()) + " times for " +
+                   std::to_string(images) + " images");
+}
+
+std::vector<std::array<std::size_t, 2>> pairedByTime(const std::vector<Time>& times,
+                                                     const std::vector<Time>& others,
+                                                     double max_gap_s) {
+  std::vector<std::array<std::size_t, 2>> pairs;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto gap = [&](std::size_t other) { return std::abs(others[other] - times[i]); };
+    while (next < others.size() && others[next] < times[i] - max_gap_s) ++next;
+    std::size_t nearest = next;
+    while (nearest + 1 < others.size() && gap(nearest + 1) < gap(nearest)) ++nearest;
+    if (nearest >= others.size() || gap(nearest) > max_gap_s) continue;
+    pairs.push_back({i, nearest});
+    next = nearest + 1;
+  }
+  return pairs;
 }
 
 }  // namespace headway::io

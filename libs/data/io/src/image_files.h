@@ -6,6 +6,7 @@
 #include <headway/io/rawlog_sink.h>
 #include <mrpt/img/CImage.h>
 
+#include <array>
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -32,6 +33,9 @@ namespace headway::io {
 /// @throws InputError if the folder does not exist
 [[nodiscard]] std::vector<std::string> imagesIn(const std::string& folder);
 
+/// What a file of a repository is whose content was not fetched, for messages; empty if it is none.
+[[nodiscard]] std::string lfsPointerFault(const std::string& path);
+
 /// Loads an image as 8-bit grey or BGR. @throws InputError naming the file on failure
 [[nodiscard]] cv::Mat requireImage(const std::string& path);
 
@@ -41,8 +45,21 @@ namespace headway::io {
 /// A PNG with 16 bits and one channel of its lens's size. @throws InputError naming the file
 [[nodiscard]] cv::Mat requireDepthImageOf(const std::string& path, const RawCamera& lens);
 
-/// The first number of every row.
+/// The first number of every row. @throws InputError naming file and row if it is not finite
 [[nodiscard]] std::vector<Time> readTimes(const std::string& path);
+
+/// @throws InputError if a file has fewer times than there are images
+void requireTimesFor(std::size_t images, const std::string& path, const std::vector<Time>& times);
+
+/// Indices of images of two cameras that are nearest in time; each image is of one pair at most.
+///
+/// @param times, others  ascending
+[[nodiscard]] std::vector<std::array<std::size_t, 2>> pairedByTime(const std::vector<Time>& times,
+                                                                   const std::vector<Time>& others,
+                                                                   double max_gap_s);
+
+inline constexpr double kMaxDepthGapS =
+    0.02;  ///< between an image and its depth: less than 1/50 Hz
 
 /// The intensity camera of a depth camera as the left one of a pair without baseline.
 [[nodiscard]] RawStereoCamera leftAlone(const RawDepthCamera& camera);

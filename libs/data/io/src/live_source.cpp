@@ -133,7 +133,9 @@ class LiveSource::Implementation {
 
   Warnings warnings() const {
     const std::lock_guard lock(mutex_);
-    return collector_ ? collector_->warnings() : Warnings();
+    Warnings all = collector_ ? collector_->warnings() : Warnings();
+    all.insert(observations_->warnings().begin(), observations_->warnings().end());
+    return all;
   }
 
   const std::optional<CalibrationReport>& calibration() const { return decoder_.report(); }
@@ -184,6 +186,7 @@ class LiveSource::Implementation {
     }
     const auto images = decoder_.decode(*pending.pair);
     if (!images) return std::nullopt;
+    std::optional<RecordedFrame> frame;
     try {
       if (!decoder_.camera()) {
         if (!hasFiniteCalibration(*pending.pair)) {
@@ -193,10 +196,15 @@ class LiveSource::Implementation {
         decoder_.calibrate(*pending.pair, *images);
       }
       decoder_.requireTwoCameras(*images);
+      frame.emplace(decoder_.frameOf(std::move(pending), *images));
+      decoder_.requireMatching(*frame->stereo);
     } catch (const InputError& error) {
       throw InputError(std::string(kName) + ": " + error.what());
     }
-    RecordedFrame frame = decoder_.frameOf(std::move(pending), *images);
+    return withMotion(std::move(*frame));
+  }
+
+  RecordedFrame withMotion(RecordedFrame frame) {
     const std::lock_guard lock(mutex_);
     collector_->extrapolateMotion(frame.time, options_.max_extrapolation_s);
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);

@@ -6,7 +6,9 @@
 #include <headway/core/error.h>
 #include <headway/core/text.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/rawlog_sink.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/obs/CObservationStereoImages.h>
@@ -67,6 +69,8 @@ CObservation::Ptr UsefulObservations::read() {
   while (auto observation = reader_->next()) {
     if (isTruth(observation->sensorLabel)) {
       ++skipped_["truth"];
+    } else if (isTimesAssumed(*observation)) {
+      addWarning(kTimesAssumed, 0, kTimesAssumedText, warnings_);
     } else if (observation->timestamp == INVALID_TIMESTAMP) {
       ++skipped_["no_time"];
     } else if (isUseful(*observation)) {
@@ -102,6 +106,11 @@ void UsefulObservations::keepLast(std::size_t max_count, bool (*of_kind)(const C
   const auto first = std::find_if(kept_.begin(), kept_.end(), matches);
   ++skipped_[shortClassName(**first)];
   kept_.erase(first);
+}
+
+bool isTimesAssumed(const CObservation& observation) {
+  return observation.sensorLabel == kTimesAssumed &&
+         isKind<mrpt::obs::CObservationComment>(observation);
 }
 
 bool isRecordedPose(const mrpt::obs::CObservation& observation) {

@@ -3,6 +3,7 @@
 // motion.
 #pragma once
 
+#include <headway/core/log.h>
 #include <headway/io/rawlog_source.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -102,6 +103,8 @@ class UsefulObservations {
     return reader_->truncation();
   }
   [[nodiscard]] double progress() const { return reader_->progress(); }
+  /// What the recording says of itself.
+  [[nodiscard]] const Warnings& warnings() const { return warnings_; }
 
  private:
   [[nodiscard]] mrpt::obs::CObservation::Ptr read();
@@ -119,6 +122,7 @@ class UsefulObservations {
   RawlogSourceOptions options_;
   std::map<std::string, std::size_t>& skipped_;
   CameraProbe probe_;
+  Warnings warnings_;
   std::deque<mrpt::obs::CObservation::Ptr> kept_;  ///< read by findCamera(), for next()
 };
 
@@ -131,6 +135,9 @@ inline constexpr char kTruthObjectsLabel[] = "truth_objects";  ///< for evaluati
 [[nodiscard]] inline bool isTruth(const std::string& label) {
   return label.rfind("truth_", 0) == 0;
 }
+
+/// Whether it is the mark of RawlogSink::writeTimesAssumed().
+[[nodiscard]] bool isTimesAssumed(const mrpt::obs::CObservation& observation);
 
 /// Whether it is a robot pose to use instead of visual SLAM.
 [[nodiscard]] bool isRecordedPose(const mrpt::obs::CObservation& observation);

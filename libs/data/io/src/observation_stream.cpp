@@ -7,8 +7,10 @@
 #include <headway/core/worker_thread.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/gnss_fix.h>
+#include <headway/io/rawlog_sink.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationImage.h>
@@ -25,6 +27,7 @@
 #include <string>
 #include <unordered_set>
 
+#include "image_files.h"
 #include "object_reader.h"
 #include "recorded_depth.h"
 
@@ -294,6 +297,18 @@ Observation readGnss(ObjectReader& in) {
   return observation;
 }
 
+/// Comments have no label of their own: that of the marks that headway writes is made of the text.
+Observation readComment(ObjectReader& in) {
+  (void)versionUpTo(0, in);
+  auto comment = mrpt::obs::CObservationComment::Create();
+  const auto text = in.vector<char>(kMaxMessageBytes);
+  comment->text.assign(text.begin(), text.end());
+  if (comment->text == kTimesAssumedText) comment->sensorLabel = kTimesAssumed;
+  comment->timestamp = in.time();
+  in.leave();
+  return comment;
+}
+
 Box2d readBox2d(ObjectReader& in) {
   Box2d box;
   for (double* value : {&box.left, &box.top, &box.right, &box.bottom}) *value = in.value<double>();
@@ -354,6 +369,7 @@ const std::map<std::string, Reader>& readers() {
       {"CObservationOdometry", readOdometry},
       {"CObservation2DRangeScan", readLaserScan},
       {"CObservationGPS", readGnss},
+      {"CObservationComment", readComment},
       {"CObservationRobotPose", readRobotPose},
       {"CObservationObjectDetections", readDetections}};
   return result;
@@ -458,6 +474,8 @@ ObservationStream::ObservationStream(const std::string& path,
     : path_(path), skipped_(skipped), input_(path) {
   registerClasses();
   if (!readClassName()) {
+    const std::string pointer = lfsPointerFault(path_);
+    if (!pointer.empty()) throw InputError(path_ + ": " + pointer);
     throw InputError(path_ + ": is not a rawlog" +
                      (truncation_ ? " (" + *truncation_ + ")" : std::string()));
   }

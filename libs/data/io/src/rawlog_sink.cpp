@@ -14,6 +14,7 @@
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/CStream.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -286,6 +287,13 @@ void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
   observation.set(IMU_X_ACC, acceleration.x());
   observation.set(IMU_Y_ACC, acceleration.y());
   observation.set(IMU_Z_ACC, acceleration.z());
+  writer_->write(observation);
+}
+
+void RawlogSink::writeTimesAssumed(Time time) {
+  mrpt::obs::CObservationComment observation;
+  observation.timestamp = mrptTime(time);
+  observation.text = kTimesAssumedText;
   writer_->write(observation);
 }
 

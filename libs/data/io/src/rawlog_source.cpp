@@ -101,7 +101,11 @@ class RawlogSource::Reader {
   std::shared_ptr<const StereoCamera> camera() const { return decoder_.camera(); }
   const std::optional<CalibrationReport>& calibration() const { return decoder_.report(); }
   const std::map<std::string, std::size_t>& skipped() const { return skipped_; }
-  const Warnings& warnings() const { return collector_->warnings(); }
+  Warnings warnings() const {
+    Warnings all = collector_->warnings();
+    all.insert(observations_.warnings().begin(), observations_.warnings().end());
+    return all;
+  }
   const std::optional<std::string>& truncation() const { return observations_.truncation(); }
   double progress() const {
     const double read = observations_.progress();
@@ -169,10 +173,15 @@ class RawlogSource::Reader {
     last_pair_ = *images;
     try {
       decoder_.requireTwoCameras(*images);
+      RecordedFrame frame = decoder_.frameOf(std::move(pending), *images);
+      decoder_.requireMatching(*frame.stereo);
+      return withMotion(std::move(frame));
     } catch (const InputError& error) {
       throw InputError(name_ + ": " + error.what());
     }
-    RecordedFrame frame = decoder_.frameOf(std::move(pending), *images);
+  }
+
+  RecordedFrame withMotion(RecordedFrame frame) {
     frame.stereo->motion_prior = collector_->motionBetween(last_time_, frame.time);
     frame.stereo->motion_prior.previous_frame = std::exchange(last_frame_, frame.index);
     collector_->discardMotionBefore(frame.time);
@@ -241,7 +250,7 @@ const std::map<std::string, std::size_t>& RawlogSource::skipped() const {
   return reader_->skipped();
 }
 
-const Warnings& RawlogSource::warnings() const { return reader_->warnings(); }
+Warnings RawlogSource::warnings() const { return reader_->warnings(); }
 
 const std::optional<std::string>& RawlogSource::truncation() const { return reader_->truncation(); }
 

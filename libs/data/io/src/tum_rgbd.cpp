@@ -15,7 +15,6 @@
 namespace headway::io {
 namespace {
 
-constexpr double kMaxImageGapS = 0.02;           // between an image and its depth
 constexpr double kMetresPerUnit = 1.0 / 5000.0;  // of its depth images
 constexpr double kReachM = 10.0;                 // of its cameras
 
@@ -51,14 +50,23 @@ std::vector<ListedImage> readList(const std::filesystem::path& folder, const cha
   TextRows rows((folder / name).string());
   while (rows.next()) {
     rows.requireSize(2, "a row of an image list (time, file)");
-    const auto path = folder / rows.fields()[1];
-    if (!isInside(folder, path)) rows.fail("the file is outside of the folder");
+    const auto inside = std::filesystem::path(rows.fields()[1]).lexically_normal();
+    const auto path = folder / inside;  // may be a link to elsewhere, as in views of a dataset
+    if (inside.is_absolute() || *inside.begin() == "..") {
+      rows.fail("the file is outside of the folder");
+    }
     if (!std::isfinite(rows.number(0))) rows.fail("the time is not a number");
     images.push_back({rows.number(0), path.string()});
   }
   const auto by_time = [](const ListedImage& a, const ListedImage& b) { return a.time < b.time; };
   std::stable_sort(images.begin(), images.end(), by_time);
   return images;
+}
+
+std::vector<Time> timesOf(const std::vector<ListedImage>& images) {
+  std::vector<Time> times;
+  for (const auto& image : images) times.push_back(image.time);
+  return times;
 }
 
 class TumRgbd : public Dataset {
@@ -100,25 +108,14 @@ class TumRgbd : public Dataset {
   /// Each image with the nearest depth image that is not yet another's.
   void pairImages(const std::vector<ListedImage>& images, const std::vector<ListedImage>& depths,
                   const std::string& folder) {
-    auto next = depths.begin();
-    for (const auto& image : images) {
-      const auto distance = [&](auto depth) { return std::abs(depth->time - image.time); };
-      while (next != depths.end() && next->time < image.time - kMaxImageGapS) ++next;
-      auto nearest = next;
-      while (nearest != depths.end() && std::next(nearest) != depths.end() &&
-             distance(std::next(nearest)) < distance(nearest)) {
-        ++nearest;
-      }
-      if (nearest == depths.end() || distance(nearest) > kMaxImageGapS) {
-        ++dropped_["no_depth"];
-        continue;
-      }
-      pairs_.push_back({image, *nearest});
-      next = std::next(nearest);
+    for (const auto& [image, depth] :
+         pairedByTime(timesOf(images), timesOf(depths), kMaxDepthGapS)) {
+      pairs_.push_back({images[image], depths[depth]});
     }
+    if (pairs_.size() < images.size()) dropped_["no_depth"] = images.size() - pairs_.size();
     if (pairs_.empty()) {
       throw InputError(folder + ": no image of rgb.txt has a depth image within " +
-                       formatted("%g", kMaxImageGapS) + " s in depth.txt");
+                       formatted("%g", kMaxDepthGapS) + " s in depth.txt");
     }
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/core/detection.h>
+#include <headway/core/log.h>
 #include <headway/io/rawlog_sink.h>
 
 #include <map>
@@ -50,6 +51,37 @@ class Dataset {
   [[nodiscard]] virtual std::vector<RecordedGnss> gnss() const { return {}; }
   /// Number of items ignored when opening, by reason.
   [[nodiscard]] virtual std::map<std::string, std::size_t> dropped() const { return {}; }
+  /// What was assumed when opening: "times_assumed".
+  [[nodiscard]] virtual Warnings warnings() const { return {}; }
+};
+
+/// The images of one camera in order: those of a folder, or of a video.
+class ImageSequence {
+ public:
+  virtual ~ImageSequence() = default;
+  /// Folder or file, for messages.
+  [[nodiscard]] virtual const std::string& name() const = 0;
+  [[nodiscard]] virtual std::size_t size() const = 0;
+  /// Name of one image, for messages.
+  [[nodiscard]] virtual std::string nameOf(std::size_t index) const = 0;
+  /// 8-bit grey or BGR. @throws InputError naming the file if it cannot be read
+  [[nodiscard]] virtual cv::Mat image(std::size_t index) const = 0;
+  /// Of all images [s]; empty if they have none.
+  [[nodiscard]] virtual const std::vector<Time>& times() const = 0;
+};
+
+/// Images of a folder (.png .jpg .jpeg .bmp .tif .tiff .pgm .ppm) in the order of their names, with
+/// the times of `times.txt` in it or its parent, one a line [s]; without it, of their names, if the
+/// last number of each is a Unix time between 2000 and 2100 in s, ms, us or ns, of one unit, and
+/// all differ.
+///
+/// @throws InputError if the folder does not exist, or has fewer times than images
+[[nodiscard]] std::unique_ptr<ImageSequence> imagesOfFolder(const std::string& folder);
+
+/// Times of images that are stated apart from them.
+struct ImageTimes {
+  double rate_hz = 0.0;  ///< 0: not stated
+  std::string file;      ///< one time a line [s]; empty: not stated
 };
 
 /// Opens a recording in EuRoC's layout (ASL folder) with raw stereo images.
@@ -66,25 +98,36 @@ class Dataset {
 /// @throws InputError naming the file that is missing or malformed
 [[nodiscard]] std::unique_ptr<Dataset> openEuroc(const std::string& folder);
 
-/// Opens two folders of images with a calibration file.
+/// Opens two sequences of images with a calibration file.
 ///
-/// Images (.png .jpg .jpeg .bmp .tif .tiff .pgm .ppm) are paired in the order of their names;
-/// both folders must have the same number. Times are given by the calibration file: `times`, a file
-/// in its folder with one time per line [s], or `frame_rate_hz` (default 10).
+/// Times are those of `times`, else those that the calibration states (`times`, a file in its
+/// folder, or `frame_rate_hz`), else those of the images, else 10 Hz with the warning
+/// "times_assumed". Images that have times of their own on both sides are paired by time, at most
+/// 10 ms apart, others by order, and then both sides must have the same number.
 ///
+/// @param right        null: the left images contain both, side by side
 /// @param calibration  see readStereoCalibration()
 /// @throws InputError naming the file that is missing or inconsistent
+[[nodiscard]] std::unique_ptr<Dataset> openStereoImages(std::unique_ptr<ImageSequence> left,
+                                                        std::unique_ptr<ImageSequence> right,
+                                                        const std::string& calibration,
+                                                        const ImageTimes& times = {});
+
+/// The same of two folders.
 [[nodiscard]] std::unique_ptr<Dataset> openImageFolders(const std::string& left_folder,
                                                         const std::string& right_folder,
-                                                        const std::string& calibration);
+                                                        const std::string& calibration,
+                                                        const ImageTimes& times = {});
 
-/// Opens two folders: images, and depth images (PNG, 16 bits) in the same order of names.
+/// Opens two folders: images, and depth images (PNG, 16 bits), with times and pairs as above, at
+/// most 20 ms apart.
 ///
-/// @param calibration  of a depth camera, with times or rate (doc/formats.md)
+/// @param calibration  of a depth camera (doc/formats.md)
 /// @throws InputError naming the file that is missing or inconsistent
 [[nodiscard]] std::unique_ptr<Dataset> openDepthFolders(const std::string& left_folder,
                                                         const std::string& depth_folder,
-                                                        const std::string& calibration);
+                                                        const std::string& calibration,
+                                                        const ImageTimes& times = {});
 
 /// Opens a sequence of the TUM RGB-D benchmark.
 ///

@@ -16,6 +16,12 @@ class CObservation;
 
 namespace headway::io {
 
+/// Warning of recordings whose images had no times: its name, and the text of a comment in the rawlog.
+inline constexpr char kTimesAssumed[] = "times_assumed";
+inline constexpr char kTimesAssumedText[] =
+    "the images came without times: 10 a second are assumed, so that speeds are guessed; import "
+    "them again with --rate HZ or --times FILE";
+
 /// Storage of images.
 enum class ImageStorage {
   kEmbedded,      ///< in the rawlog: colour as JPEG, grey raw
@@ -83,6 +89,8 @@ class RawlogSink {
                 const Eigen::Vector3d& acceleration);                // [m/s^2], including gravity
   /// NMEA messages GGA (position) and RMC (speed and course).
   void writeGnss(const RecordedGnss& sample);
+  /// Marks the times as assumed: readers warn of it.
+  void writeTimesAssumed(Time time);
   void writeLaser(const RecordedScan& scan, const std::string& label = "laser");
   /// Any other observation, as it is: its images are stored inside the rawlog.
   void write(const mrpt::obs::CObservation& observation);

@@ -75,6 +75,8 @@ struct CalibrationReport {
   double focal_px = 0.0;
   double vertical_disparity_px = 0.0;  ///< median |v_left - v_right| of matches
   double median_disparity_px = 0.0;    ///< median u_left - u_right of matches
+  double row_offset_px = 0.0;          ///< median v_left - v_right of matches
+  std::size_t corners = 0;             ///< of the image that has fewer
   std::size_t matches = 0;             ///< number of matches used
   bool rectified_here = false;         ///< the recorded images were not rectified
   bool is_depth_camera = false;        ///< nothing is matched; the baseline is the equivalent one
@@ -133,7 +135,7 @@ class RawlogSource {
   [[nodiscard]] const std::map<std::string, std::size_t>& skipped() const;
 
   /// Sensors whose times are of another clock than the images': "clocks_differ_LABEL".
-  [[nodiscard]] const Warnings& warnings() const;
+  [[nodiscard]] Warnings warnings() const;
 
   /// Reason and position of a premature end; nullopt otherwise. Frames before it are valid.
   [[nodiscard]] const std::optional<std::string>& truncation() const;
@@ -165,6 +167,10 @@ struct CalibrationMatching {
   float min_margin = 0.05F;               ///< to the correlation of the second best
   int neighbour_px = 3;                   ///< corners as near as that show the same point
 };
+
+/// Why pairs are refused that have nothing in common.
+inline constexpr char kNothingMatches[] =
+    "nothing matches: the cameras see different things, or are not synchronised";
 
 /// Measures the consistency of a rectified image pair with its calibration.
 ///
