@@ -5,9 +5,11 @@
 #include <headway/core/statistics.h>
 #include <headway/core/text.h>
 #include <headway/stereo/ground_plane.h>
+#include <headway/stereo/rectification.h>
 #include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -316,6 +318,136 @@ std::string MountCheck::testUpsideDown(const stereo::DisparityImage& disparity) 
 
 namespace {
 
+/// What makes a plane a floor, and how exactly it tells the mounting.
+struct FloorLimits {
+  double seconds = 2.0;             ///< in which it is seen
+  double max_seconds = 30.0;        ///< of slow motion
+  double seen_ratio = 0.8;          ///< of these frames, in which it is where it usually is
+  double height_ratio = 0.05;       ///< of the camera's height: it is there within this
+  double tilt_rad = 2.5 * kDegree;  ///< and this: suspension, slopes and noise
+  /// A robot tilts by load, tyres and suspension: about 1 cm in 1 m. A mounting is stated as it was
+  /// measured by hand, to 1 cm and 1 cm in 1 m.
+  double sigma_tilt_rad = 0.01;
+  double sigma_height_m = 0.01;
+  double sigma_scale = 0.01;   ///< of the depths
+  double heights_away = 10.0;  ///< that most of a floor is seen within: 6 degrees below the horizon
+  double significance = 3.0;   ///< standard deviations
+  double unit_ratio = 0.1;     ///< a factor of units is met within this
+};
+constexpr FloorLimits kFloorLimits;
+constexpr std::array kUnitFactors = {0.001, 0.2, 5.0, 1000.0};  ///< mm for m; 1/5000 for 1/1000 m
+
+FloorCheck::Mounting mountingBy(const Eigen::Vector3d& up_cam, double height_m) {
+  return {height_m, std::asin(std::clamp(-up_cam.z(), -1.0, 1.0)),
+          std::atan2(-up_cam.x(), -up_cam.y()), Eigen::Vector3d::Zero()};
+}
+
+Eigen::Vector3d vectorOf(const FloorCheck::Mounting& mounting) {
+  return {mounting.height_m, mounting.down_rad, mounting.roll_rad};
+}
+
+std::string mountingText(const FloorCheck::Mounting& mounting) {
+  return formatted("%.2f m above the floor, looking %.1f deg down, rolled by %.1f deg",
+                   mounting.height_m, mounting.down_rad / kDegree, mounting.roll_rad / kDegree);
+}
+
+}  // namespace
+
+std::optional<Finding> FloorCheck::add(Time time, std::size_t frame,
+                                       const std::optional<stereo::GroundPlane>& floor,
+                                       const std::optional<Pose>& T_odom_cam) {
+  const bool is_after = samples_.empty() || time > samples_.back().time;
+  if (!T_odom_cam || !is_after) samples_.clear();
+  if (!T_odom_cam || mounting_) return std::nullopt;
+  Sample sample{time, std::nullopt, T_odom_cam->translation()};
+  if (floor) sample.seen = mountingBy(floor->up, floor->camera_height);
+  samples_.push_back(sample);
+  while (time - samples_.front().time > kFloorLimits.max_seconds) samples_.pop_front();
+  mounting_ = measured();
+  return mounting_ ? compare(frame) : std::nullopt;
+}
+
+/// By the newest frames over which the camera moved by its height.
+std::optional<FloorCheck::Mounting> FloorCheck::measured() const {
+  std::vector<Eigen::Vector3d> seen;
+  std::array<std::vector<double>, 3> values;
+  double count = 0.0;
+  for (auto sample = samples_.rbegin(); sample != samples_.rend(); ++sample) {
+    count += 1.0;
+    if (sample->seen) {
+      seen.push_back(vectorOf(*sample->seen));
+      for (int i = 0; i < 3; ++i) values[static_cast<std::size_t>(i)].push_back(seen.back()[i]);
+    }
+    const double seconds = samples_.back().time - sample->time;
+    if (seen.empty() || seconds < kFloorLimits.seconds) continue;
+    const double moved = (samples_.back().position - sample->position).norm();
+    const Eigen::Vector3d usual(median(values[0]), median(values[1]), median(values[2]));
+    if (moved < usual[0]) continue;
+    const Eigen::Array3d limits(kFloorLimits.height_ratio * usual[0], kFloorLimits.tilt_rad,
+                                kFloorLimits.tilt_rad);
+    Eigen::Array3d sum = Eigen::Array3d::Zero(), squares = Eigen::Array3d::Zero();
+    double agreeing = 0.0;
+    for (const Eigen::Vector3d& one : seen) {
+      const Eigen::Array3d off = (one - usual).array();
+      if ((off.abs() > limits).any()) continue;
+      agreeing += 1.0;
+      sum += off;
+      squares += off.square();
+    }
+    if (agreeing < kFloorLimits.seen_ratio * count) return std::nullopt;
+    const Eigen::Array3d mean = sum / agreeing;
+    // An offset of the disparities makes the depths of a pair wrong.
+    const double by_offset = camera_.isDepthCamera()
+                                 ? 0.0
+                                 : stereo::kRectificationSigma_px * kFloorLimits.heights_away *
+                                       usual[0] / (camera_.fx * camera_.baseline_m);
+    const double sigma_scale = std::hypot(kFloorLimits.sigma_scale, by_offset);
+    const Eigen::Array3d systematic(std::hypot(kFloorLimits.sigma_height_m, sigma_scale * usual[0]),
+                                    kFloorLimits.sigma_tilt_rad, kFloorLimits.sigma_tilt_rad);
+    const Eigen::Array3d spread = (squares / agreeing - mean.square()).max(0.0) / agreeing;
+    Mounting result{usual[0] + mean[0], usual[1] + mean[1], usual[2] + mean[2], {}};
+    result.sigma = (spread + systematic.square()).sqrt();
+    return result;
+  }
+  return std::nullopt;
+}
+
+std::optional<Finding> FloorCheck::compare(std::size_t frame) const {
+  const std::string by_floor =
+      "by the floor in view, the camera is " + mountingText(*mounting_) +
+      formatted(" (+- %.2f m, %.1f deg)", mounting_->sigma[0], mounting_->sigma[1] / kDegree);
+  const auto rig = stereo::rigCapability(camera_);
+  if (!rig.camera_height_known) {
+    return Finding{
+        "camera_mounting", frame,
+        by_floor + formatted("; no mounting is stated, %.2f m and level were assumed: write it "
+                             "as T_robot_cam of the calibration (cameraPose)",
+                             rig.camera_height_m)};
+  }
+  const Mounting stated = mountingBy(stereo::mountedUp(camera_), rig.camera_height_m);
+  const Eigen::Array3d stated_sigma(kFloorLimits.sigma_height_m, kFloorLimits.sigma_tilt_rad,
+                                    kFloorLimits.sigma_tilt_rad);
+  Eigen::Array3d off = (vectorOf(*mounting_) - vectorOf(stated)).array();
+  off[2] = std::remainder(off[2], 2.0 * M_PI);
+  const Eigen::Array3d sigma = (mounting_->sigma.array().square() + stated_sigma.square()).sqrt();
+  std::string text = by_floor + ", but it is stated to be " + mountingText(stated);
+  const double ratio = mounting_->height_m / stated.height_m;
+  for (const double factor : kUnitFactors) {
+    if (std::abs(ratio / factor - 1.0) > kFloorLimits.unit_ratio) continue;
+    return Finding{
+        "camera_mounting", frame,
+        text + formatted(": distances are %g times those of the mounting, as of another "
+                         "unit; check %s, and the unit of T_robot_cam (cameraPose)",
+                         factor,
+                         camera_.isDepthCamera() ? "depth_unit_m (rangeUnits)" : "the baseline")};
+  }
+  if ((off.abs() <= kFloorLimits.significance * sigma).all()) return std::nullopt;
+  return Finding{"camera_mounting", frame,
+                 text + ": correct T_robot_cam of the calibration (cameraPose), or the depths"};
+}
+
+namespace {
+
 struct ScaleLimits {
   double piece_m = 2.0;
   double straight = 0.7;          ///< minimum ratio of a piece's chord to its path
@@ -508,6 +640,7 @@ InputHealth::InputHealth(std::shared_ptr<const StereoCamera> camera, double max_
     : camera_(std::move(camera)), max_speed_mps_(max_speed_mps) {
   if (camera_ == nullptr) return;
   mount_check_.emplace(*camera_);
+  floor_check_.emplace(*camera_);
   scale_check_.emplace(*camera_);
 }
 
@@ -565,6 +698,14 @@ void InputHealth::checkLoss(const FrameState& state, Findings& findings) {
 }
 
 void InputHealth::checkMotion(const FrameState& state, Findings& findings) {
+  if (state.scans_ground && !floor_check_->mounting()) {
+    const auto T_odom_cam =
+        isTracked(state) ? std::optional<Pose>(state.camera.T_odom_robot * camera_->T_robot_cam)
+                         : std::nullopt;
+    append(floor_check_->add(state.frame.time, state.frame.index,
+                             stereo::findFloor(state.context->disparity(), *camera_), T_odom_cam),
+           findings);
+  }
   if (state.scans_ground) append(mount_check_->addImage(*state.context), findings);
   const auto by_camera = isTracked(state) ? state.T_previous_robot : std::nullopt;
   const MotionPrior& prior = state.motion_prior;

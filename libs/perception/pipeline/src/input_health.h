@@ -94,6 +94,49 @@ class MountCheck {
   double difference_turned_rad_ = 0.0;  ///< by the pose with the optical turn
 };
 
+/// Measures how the camera is mounted by the floor in view, and compares it with what is stated.
+///
+/// A plane is a floor where nothing is seen below it and the camera moves parallel to it: for 2 s,
+/// over at least its height, the plane keeps its place in the camera frame. A camera in a hand, or
+/// over a table that it does not stand on, does not keep it. Distances are relative to the height,
+/// so that a wrong unit of depths changes nothing but the result.
+class FloorCheck {
+ public:
+  /// The mounting as far as a floor shows it.
+  struct Mounting {
+    double height_m = 0.0;  ///< of the camera above the floor [m]
+    double down_rad = 0.0;  ///< of the optical axis below the horizon [rad]
+    double roll_rad = 0.0;  ///< about the optical axis [rad]
+    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< of these three
+  };
+
+  explicit FloorCheck(const StereoCamera& camera) : camera_(camera) {}
+
+  /// Takes one frame.
+  ///
+  /// @param floor       by stereo::findFloor()
+  /// @param T_odom_cam  nullopt if the camera was not tracked
+  /// @return "camera_mounting" once, if the mounting stated differs by 3 sigma, or none is stated
+  [[nodiscard]] std::optional<Finding> add(Time time, std::size_t frame,
+                                           const std::optional<stereo::GroundPlane>& floor,
+                                           const std::optional<Pose>& T_odom_cam);
+  /// nullopt before a floor was seen.
+  [[nodiscard]] const std::optional<Mounting>& mounting() const { return mounting_; }
+
+ private:
+  struct Sample {
+    Time time;
+    std::optional<Mounting> seen;
+    Eigen::Vector3d position;  ///< of the camera, odometry frame [m]
+  };
+  [[nodiscard]] std::optional<Mounting> measured() const;
+  [[nodiscard]] std::optional<Finding> compare(std::size_t frame) const;
+
+  StereoCamera camera_;
+  std::deque<Sample> samples_;
+  std::optional<Mounting> mounting_;
+};
+
 /// Compares the camera's distances with those of wheel odometry, over pieces of 2 m.
 ///
 /// A wrong baseline or focal length scales all depths and with them the map, which nothing in the
@@ -193,6 +236,7 @@ class InputHealth {
   CameraCheck camera_check_;
   StereoCheck stereo_check_;
   std::optional<MountCheck> mount_check_;  ///< with a camera, as the next one
+  std::optional<FloorCheck> floor_check_;
   std::optional<ScaleCheck> scale_check_;
   slam::ImageEvidence images_ = slam::ImageEvidence::kNone;
   Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();  ///< of the right camera, in the frame before

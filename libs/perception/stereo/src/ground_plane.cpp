@@ -32,6 +32,16 @@ constexpr double kTiltSigma = 0.00175;  ///< 0.1 degrees: bends of the ground an
 
 using Points = std::vector<Eigen::Vector3d>;
 
+/// The search for a floor wherever it is: what a mounting may be wrong by.
+struct FloorSearch {
+  int step = 6;
+  int trials = 300;              ///< finds one with a quarter of the points
+  double min_tilt_cosine = 0.7;  ///< 45 degrees: beyond, a wall may be meant
+  double max_below = 0.05;       ///< points below the plane, to those on it: reflections
+  double min_ratio = 0.1;        ///< of the points that lie on the plane
+};
+constexpr FloorSearch kFloor;
+
 /// Limits of the search for a rig; those of a car's are the reference.
 struct SearchLimits {
   SearchLimits(const StereoCamera& camera, const RigCapability& rig)
@@ -42,21 +52,26 @@ struct SearchLimits {
       min_height_m = std::min(kSearch.min_height_m, 0.5 * rig.camera_height_m);
     const double scale = std::min(1.0, far_m / 25.0);
     min_area_m2 = 0.2 * scale * scale;
+    from_row_px = camera.cy;
   }
   GroundPlane expected;                        ///< as the camera is mounted, height aside
   double near_m;                               ///< minimum depth of points of the ground
   double far_m;                                ///< maximum depth of points of the ground
   double min_height_m = kSearch.min_height_m;  ///< of the camera above the ground
   double min_area_m2;                          ///< of the parallelogram of three sampled points
+  double max_height_m = kSearch.max_height_m;
+  double min_tilt_cosine = kSearch.min_tilt_cosine;
+  double from_row_px;
+  int step = kSearch.step;
 };
 
-Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& camera,
-                          const SearchLimits& limits) {
+Points pointsOf(const DisparityImage& disparity, const StereoCamera& camera,
+                const SearchLimits& limits) {
   Points points;
   const double fb = camera.fx * camera.baseline_m;
-  for (int row = std::max(0, disparity.cellOf(camera.cy)); row < disparity.values.rows;
-       row += kSearch.step) {
-    for (int column = 0; column < disparity.values.cols; column += kSearch.step) {
+  for (int row = std::max(0, disparity.cellOf(limits.from_row_px)); row < disparity.values.rows;
+       row += limits.step) {
+    for (int column = 0; column < disparity.values.cols; column += limits.step) {
       const double d = disparity.values.at<float>(row, column);
       if (d < fb / limits.far_m || d > fb / limits.near_m) continue;
       const double z = fb / d;
@@ -68,8 +83,8 @@ Points pointsBelowHorizon(const DisparityImage& disparity, const StereoCamera& c
 }
 
 bool plausible(const GroundPlane& plane, const SearchLimits& limits) {
-  return plane.up.dot(limits.expected.up) > kSearch.min_tilt_cosine &&
-         plane.camera_height > limits.min_height_m && plane.camera_height < kSearch.max_height_m;
+  return plane.up.dot(limits.expected.up) > limits.min_tilt_cosine &&
+         plane.camera_height > limits.min_height_m && plane.camera_height < limits.max_height_m;
 }
 
 // Points on the plane, less those below it, since nothing is visible below the ground.
@@ -133,16 +148,16 @@ Eigen::Vector3d mountedUp(const StereoCamera& camera) {
   return camera.T_robot_cam.linear().transpose() * Eigen::Vector3d::UnitZ();
 }
 
-std::optional<GroundPlane> findGround(const DisparityImage& disparity, const StereoCamera& camera,
-                                      const std::optional<GroundPlane>& previous) {
-  const SearchLimits limits(camera, rigCapability(camera));
-  const Points points = pointsBelowHorizon(disparity, camera, limits);
-  if (points.size() < 50) return std::nullopt;
-  GroundPlane best = previous.value_or(limits.expected);
-  double best_score = previous ? score(best, points) : 0.0;
+namespace {
+
+/// The plane with the best score among those through three of the points.
+///
+/// @param best_score  of `best`, which is returned if no other is better
+GroundPlane sampledPlane(const Points& points, const SearchLimits& limits, int trials,
+                         GroundPlane best, double& best_score) {
   std::mt19937 random(1);
   const auto draw = [&] { return points[random() % points.size()]; };
-  for (int trial = 0; trial < kSearch.trials; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     const Eigen::Vector3d a = draw(), b = draw(), c = draw();
     const Eigen::Vector3d normal = (b - a).cross(c - a);
     if (normal.norm() < limits.min_area_m2) continue;
@@ -153,8 +168,44 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
     best = plane;
     best_score = plane_score;
   }
+  return best;
+}
+
+}  // namespace
+
+std::optional<GroundPlane> findGround(const DisparityImage& disparity, const StereoCamera& camera,
+                                      const std::optional<GroundPlane>& previous) {
+  const SearchLimits limits(camera, rigCapability(camera));
+  const Points points = pointsOf(disparity, camera, limits);
+  if (points.size() < 50) return std::nullopt;
+  const GroundPlane first = previous.value_or(limits.expected);
+  double best_score = previous ? score(first, points) : 0.0;
+  const GroundPlane best = sampledPlane(points, limits, kSearch.trials, first, best_score);
   if (best_score < kSearch.min_ratio * static_cast<double>(points.size())) return std::nullopt;
   return refined(best, points, limits);
+}
+
+std::optional<GroundPlane> findFloor(const DisparityImage& disparity, const StereoCamera& camera) {
+  SearchLimits limits(camera, rigCapability(camera));
+  limits.near_m = 0.0;
+  limits.min_height_m = 0.0;
+  limits.max_height_m = limits.far_m;
+  limits.min_tilt_cosine = kFloor.min_tilt_cosine;
+  limits.from_row_px = 0.0;
+  limits.step = kFloor.step;
+  const Points points = pointsOf(disparity, camera, limits);
+  if (points.size() < 50) return std::nullopt;
+  double best_score = 0.0;
+  const auto plane = refined(
+      sampledPlane(points, limits, kFloor.trials, limits.expected, best_score), points, limits);
+  double on = 0.0, below = 0.0;
+  for (const auto& point : points) {
+    const double height = plane.heightOf(point), tolerance = plane.tolerance(point.z());
+    if (std::abs(height) < tolerance) on += 1.0;
+    if (height < -2.0 * tolerance) below += 1.0;
+  }
+  const bool is_seen = on >= kFloor.min_ratio * static_cast<double>(points.size());
+  return is_seen && below <= kFloor.max_below * on ? std::optional(plane) : std::nullopt;
 }
 
 namespace {

@@ -65,6 +65,13 @@ struct GroundPlane {
                                                     const StereoCamera& camera,
                                                     const std::optional<GroundPlane>& previous);
 
+/// Finds a floor without knowing the mounting: the largest plane that nothing lies below, less than
+/// 45 degrees from level as the camera is mounted, at any height below it.
+///
+/// @return  nullopt where none is seen (expected, not an error)
+[[nodiscard]] std::optional<GroundPlane> findFloor(const DisparityImage& disparity,
+                                                   const StereoCamera& camera);
+
 /// Matches the ground of a stereo pair along its plane, on the grid of denseDisparity().
 ///
 /// From one row of an image to the next, the disparity of the ground changes by b / h: within a
