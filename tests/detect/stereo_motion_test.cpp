@@ -76,6 +76,28 @@ TEST(StereoMotionTest, FindsTheMovingObjectAndNothingElse) {
   EXPECT_EQ(outcome.refused, 0);
 }
 
+TEST(StereoMotionTest, NothingBeyondTheRangeThatIsAllowedIsFound) {
+  const PaintedStreet street({kMoving, kParked, kPost});
+  for (const double range : {0.0, 14.0, 60.0}) {
+    StereoMotionParams params;
+    params.max_range_m = range;
+    StereoMotion detector(street.camera(), params);
+    std::size_t found = 0, too_far = 0;
+    for (int i = 0; i < kFrames; ++i) {
+      const StereoFrame frame = street.frame(i);
+      auto detected = detector.detect({frame, {}, 0.0, {}}, street.T_map_robot(i));
+      too_far += detected.dropped["too_far"];
+      if (!detected.detections) continue;
+      for (const auto& item : detected.detections->items) {
+        ++found;
+        if (range > 0.0) EXPECT_LE(item.box3d->centre.z(), range);
+      }
+    }
+    EXPECT_EQ(found == 0, range == 14.0) << range << ": it is 15 to 17 m away";
+    EXPECT_EQ(too_far > 0, range == 14.0) << range;
+  }
+}
+
 TEST(StereoMotionTest, NothingMovesWhenTheRightCamerasTurnIsFirstUndone) {
   const PaintedStreet street({kParked, kPost});
   const Eigen::Vector3d turn = Eigen::Vector3d(0.0, 0.2, 0.4) * M_PI / 180.0;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <opencv2/core.hpp>
 #include <set>
@@ -91,6 +92,14 @@ StereoMotionParams forRig(StereoMotionParams params, const StereoCamera& camera)
   return params;
 }
 
+/// Beyond it nothing is detected: what the user allows, and what a depth camera measures [m].
+double reachOf(const StereoMotionParams& params, const StereoCamera& camera) {
+  double reach = std::numeric_limits<double>::infinity();
+  if (params.max_range_m > 0.0) reach = params.max_range_m;
+  if (camera.isDepthCamera()) reach = std::min(reach, camera.depth_reach_m);
+  return reach;
+}
+
 FollowerParams followerParams(const StereoMotionParams& params, double window_s,
                               double people_to_m) {
   const ObservationNoise noise{params.sigma_px, params.sigma_px, params.sigma_disparity_px};
@@ -106,6 +115,7 @@ class StereoMotion::Implementation {
   Implementation(std::shared_ptr<const StereoCamera> camera, const StereoMotionParams& params)
       : camera_(std::move(camera)),
         params_(forRig(params, *camera_)),
+        reach_m_(reachOf(params, *camera_)),
         path_(*camera_, std::hypot(params.sigma_px, 0.3)),
         window_s_(std::max(params_.window_s, params_.segment_window_s)),
         follower_(*camera_,
@@ -161,6 +171,7 @@ class StereoMotion::Implementation {
     return offset_evidence_;
   }
   std::size_t takeImplausible() { return finder_.takeImplausible(); }
+  std::size_t takeBeyondRange() { return std::exchange(beyond_range_, 0); }
 
   /// Of the newest frame.
   [[nodiscard]] MotionDetections result() const {
@@ -241,7 +252,14 @@ class StereoMotion::Implementation {
     const auto missing = withoutFound(searchedObjects(expected, path_, T_map_cam_), objects, path_);
     detectByFlow(frame, missing, segments_.tracks(), *camera_, objects);
     detectByAppearance(frame, missing, *camera_, objects);
-    for (const MovingObject& object : objects) report(object);
+    for (const MovingObject& object : objects) {
+      const bool is_beyond = object.extent.box.centre.z() > reach_m_;
+      if (is_beyond) {
+        ++beyond_range_;
+      } else {
+        report(object);
+      }
+    }
   }
 
   /// Assigns each object to the earlier group of most of its points and segments, or to a new one.
@@ -299,6 +317,8 @@ class StereoMotion::Implementation {
 
   std::shared_ptr<const StereoCamera> camera_;
   StereoMotionParams params_;
+  double reach_m_;
+  std::size_t beyond_range_ = 0;
   Detections found_;  ///< in the newest frame
   stereo::DisparityImage disparity_;
   std::optional<stereo::GroundPlane> ground_;
@@ -338,6 +358,8 @@ MotionDetections StereoMotion::detect(const stereo::FrameContext& context,
   result.static_points = implementation_->offsetEvidence();
   const std::size_t implausible = implementation_->takeImplausible();
   if (implausible > 0) result.dropped["implausible_object"] = implausible;
+  const std::size_t beyond_range = implementation_->takeBeyondRange();
+  if (beyond_range > 0) result.dropped["too_far"] = beyond_range;
   return result;
 }
 
