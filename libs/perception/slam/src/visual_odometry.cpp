@@ -91,7 +91,9 @@ std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
     removeOtherwiseMoving(*tracked, near_tracked);
     refine(*tracked, kNearTracked, near_tracked);
     // A motion that no corners agree with is that of a map that has just been adjusted.
-    if (near_tracked.motion || !followed.motion) followed = std::move(near_tracked);
+    // Features without corners may be those of an object: there the tracked motion decides.
+    const bool has_corners = followed.motion && !followed.constraints.empty();
+    if (near_tracked.motion || !has_corners) followed = std::move(near_tracked);
   }
   const std::vector<Corner> before = std::exchange(corners_, cornersOf(followed));
   addEvidence(before);
