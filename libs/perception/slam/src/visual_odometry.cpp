@@ -72,11 +72,13 @@ std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Po
   const PoseCovariance covariance = step_covariance_;
   followed_ = follow(frame, *step);
   refine(*step, kNearTracked, followed_);
-  if (followed_.motion) return followed_.motion;
-  step_covariance_ = covariance;
-  followed_ = {};  // its corners would be those that do not agree
-  followed_.motion = step;
-  return step;
+  if (!followed_.motion) {
+    step_covariance_ = covariance;
+    followed_ = {};  // its corners would be those that do not agree
+    followed_.motion = step;
+  }
+  followed_.by_features = true;
+  return followed_.motion;
 }
 
 std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
@@ -86,14 +88,13 @@ std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
     return std::nullopt;
   }
   Followed followed = std::exchange(followed_, {});
-  if (tracked && (!followed.motion || !agree(followed, *tracked))) {
+  if (tracked && (!followed.motion || followed.by_features || !agree(followed, *tracked))) {
     Followed near_tracked = follow(frame, *tracked);
     removeOtherwiseMoving(*tracked, near_tracked);
     refine(*tracked, kNearTracked, near_tracked);
     // A motion that no corners agree with is that of a map that has just been adjusted.
-    // Features without corners may be those of an object: there the tracked motion decides.
-    const bool has_corners = followed.motion && !followed.constraints.empty();
-    if (near_tracked.motion || !has_corners) followed = std::move(near_tracked);
+    if (near_tracked.motion || !followed.motion || followed.by_features)
+      followed = std::move(near_tracked);
   }
   const std::vector<Corner> before = std::exchange(corners_, cornersOf(followed));
   addEvidence(before);

@@ -88,6 +88,7 @@ class VisualOdometry {
     std::vector<stereo::PoseConstraint> constraints;  ///< points in the previous camera's frame
     std::vector<Corner> before;                       ///< the same, in the previous frame
     std::optional<Pose> motion;
+    bool by_features = false;  ///< which may be those of an object: a tracked motion decides
   };
 
   [[nodiscard]] Followed follow(const TrackingFrame& frame, const Pose& expected) const;
