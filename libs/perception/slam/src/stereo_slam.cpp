@@ -172,7 +172,8 @@ class StereoSlam::Implementation {
       if (map_.keyframes().empty()) return std::nullopt;
     }
     std::optional<Pose> proposed;
-    const auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
+    auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
+    if (!step) step = visual_odometry_.proposeWide(current);
     if (step) proposed = normalized(motion_.last() * *step);
     const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
     auto tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,

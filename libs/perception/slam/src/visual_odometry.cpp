@@ -66,7 +66,10 @@ VisualOdometry::VisualOdometry(const StereoCamera& camera, const SlamParams& par
 std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Pose& predicted) {
   followed_ = follow(frame, predicted);
   refine(predicted, kFromPrediction, followed_);
-  if (followed_.motion) return followed_.motion;
+  return followed_.motion;
+}
+
+std::optional<Pose> VisualOdometry::proposeWide(const TrackingFrame& frame) {
   const auto step = stepByDescriptors(frame);
   if (!step) return std::nullopt;
   const PoseCovariance covariance = step_covariance_;

@@ -40,8 +40,11 @@ class VisualOdometry {
   /// tracked in the map.
   ///
   /// @param predicted  motion of the camera
-  /// @return           nullopt if too few corners or features agree on a motion
+  /// @return           nullopt if too few corners agree on a motion
   [[nodiscard]] std::optional<Pose> propose(const TrackingFrame& frame, const Pose& predicted);
+
+  /// The same by features of both frames, where too few corners are followed.
+  [[nodiscard]] std::optional<Pose> proposeWide(const TrackingFrame& frame);
 
   /// The same after it, and goes on from this frame.
   ///
