@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -151,8 +152,10 @@ void finish(ImportOptions& options) {
   if (options.dataset == "kitti-tracking" && !has_images && options.boxes.empty()) {
     options.boxes = kDefaultBoxes;
   }
+  const std::initializer_list<bool> second_views = {!options.right.empty(), !options.depth.empty(),
+                                                    options.side_by_side};
   if (options.dataset == "images" &&
-      int(options.right.empty()) + int(options.depth.empty()) + int(!options.side_by_side) != 2) {
+      std::count(second_views.begin(), second_views.end(), true) != 1) {
     throw program::UsageError(
         "give one of --right DIR and --side-by-side for a stereo camera, or --depth DIR");
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mountings by the floor in view: what is a floor, and what is said about the mounting stated.
 #include <gmock/gmock.h>
+#include <headway_test/textured_world.h>
 
 #include "input_health.h"
 
@@ -13,13 +14,7 @@ using ::testing::Not;
 
 /// A camera that looks down and is rolled.
 StereoCamera camera(double height_m, double down_rad, double roll_rad) {
-  StereoCamera result;
-  result.fx = result.fy = 450.0;
-  result.cx = 320.0;
-  result.cy = 240.0;
-  result.width = 640;
-  result.height = 480;
-  result.baseline_m = 0.12;
+  StereoCamera result = test::smallCamera();
   result.T_robot_cam.linear() =
       expSo3({0.0, down_rad, 0.0}) * expSo3({roll_rad, 0.0, 0.0}) * robotFromOptical().linear();
   result.T_robot_cam.translation().z() = height_m;

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -372,15 +373,18 @@ std::optional<FloorCheck::Mounting> FloorCheck::measured() const {
   std::vector<Eigen::Vector3d> seen;
   std::array<std::vector<double>, 3> values;
   double count = 0.0;
+  double lowest = std::numeric_limits<double>::infinity();
   for (auto sample = samples_.rbegin(); sample != samples_.rend(); ++sample) {
     count += 1.0;
     if (sample->seen) {
       seen.push_back(vectorOf(*sample->seen));
+      lowest = std::min(lowest, sample->seen->height_m);
       for (int i = 0; i < 3; ++i) values[static_cast<std::size_t>(i)].push_back(seen.back()[i]);
     }
     const double seconds = samples_.back().time - sample->time;
     if (seen.empty() || seconds < kFloorLimits.seconds) continue;
     const double moved = (samples_.back().position - sample->position).norm();
+    if (moved < lowest) continue;  // than any height: a robot that stands needs no medians
     const Eigen::Vector3d usual(median(values[0]), median(values[1]), median(values[2]));
     if (moved < usual[0]) continue;
     const Eigen::Array3d limits(kFloorLimits.height_ratio * usual[0], kFloorLimits.tilt_rad,
@@ -699,12 +703,13 @@ void InputHealth::checkLoss(const FrameState& state, Findings& findings) {
 
 void InputHealth::checkMotion(const FrameState& state, Findings& findings) {
   if (state.scans_ground && !floor_check_->mounting()) {
-    const auto T_odom_cam =
-        isTracked(state) ? std::optional<Pose>(state.camera.T_odom_robot * camera_->T_robot_cam)
-                         : std::nullopt;
-    append(floor_check_->add(state.frame.time, state.frame.index,
-                             stereo::findFloor(state.context->disparity(), *camera_), T_odom_cam),
-           findings);
+    std::optional<stereo::GroundPlane> floor;
+    std::optional<Pose> T_odom_cam;
+    if (isTracked(state)) {
+      floor = stereo::findFloor(state.context->disparity(), *camera_);
+      T_odom_cam = state.camera.T_odom_robot * camera_->T_robot_cam;
+    }
+    append(floor_check_->add(state.frame.time, state.frame.index, floor, T_odom_cam), findings);
   }
   if (state.scans_ground) append(mount_check_->addImage(*state.context), findings);
   const auto by_camera = isTracked(state) ? state.T_previous_robot : std::nullopt;
