@@ -45,6 +45,12 @@ class LostCameraTest : public testing::Test {
     return lost;
   }
 
+  SlamUpdate processed(StereoFrame frame) {
+    frame.index = frames_++;
+    frame.time = 0.1 * static_cast<double>(frame.index);
+    return slam().process(frame, {});
+  }
+
   /// Walks on without seeing anything, told by wheels whose way is 1 % too long.
   SlamUpdate walkCovered(int first_place, int end) {
     SlamUpdate update;
@@ -99,11 +105,6 @@ class LostCameraTest : public testing::Test {
   SlamParams params_;
 
  private:
-  SlamUpdate processed(StereoFrame frame) {
-    frame.index = frames_++;
-    frame.time = 0.1 * static_cast<double>(frame.index);
-    return slam().process(frame, {});
-  }
   int isLostIn(const StereoFrame& frame) {
     return processed(frame).status == TrackingStatus::kLost ? 1 : 0;
   }
@@ -144,6 +145,33 @@ TEST_F(LostCameraTest, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
   const Eigen::Vector3d moved =
       path[11].T_map_robot.translation() - path[9].T_map_robot.translation();
   EXPECT_NEAR(moved.norm(), (onPath(11).translation() - onPath(9).translation()).norm(), 0.02);
+}
+
+TEST_F(LostCameraTest, TurnsInStepsOfAThirdOfItsView) {
+  constexpr double kStep = 0.35;  // 20 degrees, of 67 degrees in view
+  for (int i = 0; i < 12; ++i) {
+    Pose pose = onPath(3 * i);
+    pose.linear() = expSo3({0.0, 0.0, kStep * i});
+    const auto update = processed(world_.frame(0, 0.0, pose));
+    EXPECT_EQ(update.status, TrackingStatus::kTracked) << i;
+    const Pose error = pose.inverse(Eigen::Isometry) * update.T_map_robot;
+    EXPECT_LT(logSo3(error.linear()).norm(), 0.0175) << i << ": one degree";
+    EXPECT_LT(error.translation().norm(), 0.1) << i;
+  }
+}
+
+TEST_F(LostCameraTest, StatesAnUncertaintyThatCoversATurnUnseen) {
+  ASSERT_EQ(walk(world_, 0, 15), 0);
+  Pose pose = onPath(14);
+  for (int i = 1; i <= 3; ++i) {
+    pose.linear() = pose.linear() * expSo3({0.0, 0.0, 0.157});  // 90 degrees a second, at 10 Hz
+    StereoFrame frame;
+    frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
+    const auto update = processed(frame);
+    ASSERT_EQ(update.status, TrackingStatus::kLost);
+    const Pose error = pose.inverse(Eigen::Isometry) * update.T_map_robot;
+    EXPECT_LT(logSo3(error.linear()).norm(), 3.0 * std::sqrt(update.covariance(5, 5))) << i;
+  }
 }
 
 TEST_F(LostCameraTest, WaitsForAMapThatIsWorthIt) {

@@ -87,7 +87,7 @@ class StereoSlam::Implementation {
     if (update.status == TrackingStatus::kLost || is_frozen) return update;
     odometry_since_tracked_.restartAt(*reference_);
     last_tracked_ = current.time;
-    turns_known_ = true;
+    turns_known_ = seen_since_tracked_ = true;
     covariance_when_tracked_ = covariance_;
     previous_ = std::move(current);
     return update;
@@ -172,13 +172,17 @@ class StereoSlam::Implementation {
       if (map_.keyframes().empty()) return std::nullopt;
     }
     std::optional<Pose> proposed;
-    if (lost_in_a_row_ == 0) {
-      const auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
-      if (step) proposed = normalized(motion_.last() * *step);
-    }
+    auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
+    if (!step) step = visual_odometry_.proposeWide(current);
+    if (step) proposed = normalized(motion_.last() * *step);
     const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
     auto tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
                                   local_landmarks_, active_submap_.isNew(rate_), map_);
+    if (!tracked && proposed) {
+      // In a wide step few of the landmarks before are still in view.
+      tracked =
+          tracker_.measureLocalMap(current, *proposed, local_landmarks_, map_, params_.min_inliers);
+    }
     if (tracked) return tracked;
     KeyframeId recognised;
     tracked = loops_.locate(current, map_, &recognised);
@@ -248,9 +252,7 @@ class StereoSlam::Implementation {
       odometry_check_.restart();
       inertial_.interrupt();
     }
-    // A camera that was recognised right after it was tracked was not out of sight of its corners.
-    const bool is_followed = tracked && lost_in_a_row_ == 0 && doubt != Doubt::kSpeed;
-    moveOdometry(frame, current, is_followed, tracked_step);
+    moveOdometry(frame, current, doubt != Doubt::kSpeed, tracked_step);
     if (tracked && !tracked_twice) noteChange(MapChange::kRelocalised);
     SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
     update.doubt = doubt;
@@ -281,7 +283,9 @@ class StereoSlam::Implementation {
     } else {
       visual_odometry_.restart(current);
     }
-    coasted_ = predictedStep(frame);
+    is_step_seen_ = step.has_value();
+    seen_since_tracked_ = seen_since_tracked_ && is_step_seen_;
+    coasted_ = step ? *step : predictedStep(frame);
     const Pose& last = motion_in_odom_.last();
     if (!step) return motion_in_odom_.coast(frame.time, normalized(last * coasted_));
     motion_in_odom_.update(frame.time, normalized(last * *step));
@@ -356,6 +360,7 @@ class StereoSlam::Implementation {
     SlamUpdate update;
     coast(frame);
     const bool is_over =
+        seen_since_tracked_ ||
         active_submap_.isOver(lost_in_a_row_, lost_s_, params_.restart_after_s, rate_);
     const bool is_first = map_.keyframes().empty();
     // A beginning that is given up leaves its number, if nothing else remains of the map.
@@ -373,18 +378,26 @@ class StereoSlam::Implementation {
     return update;
   }
 
-  /// The pose of a frame whose images say nothing is the predicted one. Its covariance grows by
-  /// that of wheel odometry since the last tracked frame, or without it by a constant rate.
+  /// The pose of a frame that is not found in the map is that by visual odometry, else the
+  /// predicted one. Its covariance grows by that of the visual step, or of wheel odometry since the
+  /// last tracked frame, or without both as if the robot's velocity had changed at once.
   void coast(const StereoFrame& frame) {
-    constexpr double kGrowth = 0.1;  ///< of the variances, of a robot that moves freely [m^2/s]
+    constexpr double kSpeedSigma = 1.0;       ///< of a robot or a hand that starts or stops [m/s]
+    constexpr double kTurnSigma = 1.0;        ///< the same [rad/s]
+    constexpr double kGyroscopeSigma = 0.05;  ///< of consumer gyroscopes with scale errors [rad/s]
+    const double before_s = lost_in_a_row_ > 0 ? lost_s_ : 0.0;
     lost_s_ = (lost_in_a_row_++ > 0 ? lost_s_ : 0.0) + secondsOfFrame();
     if (!reference_) return;
-    const double seconds = motion_.secondsTo(frame.time);
     motion_.coast(frame.time, normalized(motion_.last() * coasted_));
-    if (const auto& link = odometry_since_tracked_.link()) {
+    if (is_step_seen_) {
+      covariance_ = composedCovariance(covariance_, coasted_, visual_odometry_.stepCovariance());
+    } else if (const auto& link = odometry_since_tracked_.link()) {
       covariance_ = predictedCovariance(covariance_when_tracked_, *link);
     } else {
-      covariance_ += kGrowth * seconds * PoseCovariance::Identity();
+      const double growth_s2 = square(lost_s_) - square(before_s);
+      const double turn_sigma = turns_known_ ? kGyroscopeSigma : kTurnSigma;
+      covariance_.diagonal().head<3>().array() += square(kSpeedSigma) * growth_s2;
+      covariance_.diagonal().tail<3>().array() += square(turn_sigma) * growth_s2;
     }
   }
 
@@ -505,11 +518,11 @@ class StereoSlam::Implementation {
     return std::min(rate_.lastInterval(), MotionModel::kMaxGap_s);
   }
 
-  /// Whether the way since the last tracked frame is known: by wheel odometry, or for as long as a
-  /// velocity may be extrapolated by the gyroscope.
+  /// Whether the way since the last tracked frame is known: by images, by wheel odometry, or for as
+  /// long as a velocity may be extrapolated by the gyroscope.
   [[nodiscard]] bool isBridged(const StereoFrame& frame) const {
     if (!reference_) return false;
-    return odometry_since_tracked_.link() ||
+    return seen_since_tracked_ || odometry_since_tracked_.link() ||
            (turns_known_ && frame.time - last_tracked_ <= MotionModel::kMaxGap_s);
   }
 
@@ -528,6 +541,8 @@ class StereoSlam::Implementation {
   MotionModel motion_in_odom_;
   MapRevision revision_;
   Pose coasted_ = Pose::Identity();  ///< motion of a camera that is lost, since the frame before
+  bool is_step_seen_ = false;        ///< that motion, in the images
+  bool seen_since_tracked_ = false;  ///< in every frame since the last tracked one
   bool is_cause_kept_ = false;       ///< it is of this frame, and more than an adjustment
   InertialAlignment inertial_;
   OdometryCheck odometry_check_;

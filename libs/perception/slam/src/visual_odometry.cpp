@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "landmark_tracker.h"
+#include "rigid_motions.h"
 
 namespace headway::slam {
 namespace {
@@ -28,6 +29,29 @@ constexpr double kRenewRatio = 0.9;    ///< of the corners, below which new ones
 constexpr double kMinDisparity = 0.1;  ///< [px]; nearer to 0 a depth has no upper bound
 constexpr double kAgreement_px = 2.0;  ///< of where both motions see the corners, median
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
+/// What a motion by descriptors must show.
+struct WideStepParams {
+  int features = 1000;            ///< of an image, as ORB-SLAM (Mur-Artal & Tardos 2015) takes
+  double max_error_px = 3.0;      ///< ORB keypoints of the third octave are good to that
+  int tries = 1000;               ///< finds 3 right ones of a fifth that are right with 0.999
+  double log10_chance = -6.0;     ///< expected number of such motions by chance
+  double min_stereo_ratio = 0.5;  ///< of its features whose disparity agrees: it took no part
+  double max_turn_sigma = 0.006;  ///< of its rotation [rad]: a third of a degree
+};
+constexpr WideStepParams kWideStep;
+constexpr stereo::PoseRefinerOptions kFromFeatures{2.0, 2, 6};
+
+/// Logarithm of the expected number of motions by chance that `agreeing` of `matches` agree with.
+double log10Chance(int agreeing, int matches, const StereoCamera& camera) {
+  constexpr int kSample = 3;  ///< matches that determine a motion
+  const auto choose = [](double n, double k) {
+    return (std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0)) / M_LN10;
+  };
+  const double hit = M_PI * square(kWideStep.max_error_px) / (camera.width * camera.height);
+  return std::log10(std::max(1, matches - kSample)) + choose(matches, agreeing) +
+         choose(agreeing, kSample) + (agreeing - kSample) * std::log10(hit);
+}
+
 /// The tracked motion is right to a pixel; what differs by more moves on its own.
 constexpr stereo::PoseRefinerOptions kNearTracked{2.0, 2, 6};
 
@@ -45,19 +69,35 @@ std::optional<Pose> VisualOdometry::propose(const TrackingFrame& frame, const Po
   return followed_.motion;
 }
 
+std::optional<Pose> VisualOdometry::proposeWide(const TrackingFrame& frame) {
+  const auto step = stepByDescriptors(frame);
+  if (!step) return std::nullopt;
+  const PoseCovariance covariance = step_covariance_;
+  followed_ = follow(frame, *step);
+  refine(*step, kNearTracked, followed_);
+  if (!followed_.motion) {
+    step_covariance_ = covariance;
+    followed_ = {};  // its corners would be those that do not agree
+    followed_.motion = step;
+  }
+  followed_.by_features = true;
+  return followed_.motion;
+}
+
 std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
                                             const std::optional<Pose>& tracked) {
-  if (corners_.empty()) {
+  if (corners_.empty() && !followed_.motion) {
     restart(frame);
     return std::nullopt;
   }
   Followed followed = std::exchange(followed_, {});
-  if (tracked && (!followed.motion || !agree(followed, *tracked))) {
+  if (tracked && (!followed.motion || followed.by_features || !agree(followed, *tracked))) {
     Followed near_tracked = follow(frame, *tracked);
     removeOtherwiseMoving(*tracked, near_tracked);
     refine(*tracked, kNearTracked, near_tracked);
     // A motion that no corners agree with is that of a map that has just been adjusted.
-    if (near_tracked.motion || !followed.motion) followed = std::move(near_tracked);
+    if (near_tracked.motion || !followed.motion || followed.by_features)
+      followed = std::move(near_tracked);
   }
   const std::vector<Corner> before = std::exchange(corners_, cornersOf(followed));
   addEvidence(before);
@@ -65,6 +105,59 @@ std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
   estimateOffset();
   replenish(frame);
   return followed.motion;
+}
+
+/// The motion from the last frame by ORB features of both on all levels, which need no prediction.
+std::optional<Pose> VisualOdometry::stepByDescriptors(const TrackingFrame& frame) {
+  if (left_.levels.empty()) return std::nullopt;
+  const auto before = detectAndDescribe(left_.levels.front(), kWideStep.features, {});
+  const auto now = detectAndDescribe(frame.left.levels.front(), kWideStep.features, frame.excluded);
+  std::vector<stereo::PoseConstraint> constraints;
+  for (const auto& [i, j] : matchDescriptors(descriptorsOf(before), descriptorsOf(now))) {
+    const Eigen::Vector2d& uv = before[static_cast<std::size_t>(i)].uv;
+    const auto disparity = matcher_.search(left_, right_, uv);
+    if (!disparity || *disparity - offset_px_ < kMinDisparity) continue;
+    stereo::PoseConstraint constraint;
+    constraint.point_map = *triangulate({uv.x(), uv.y(), *disparity - offset_px_}, camera_);
+    constraint.measurement.uv = now[static_cast<std::size_t>(j)].uv;
+    constraint.measurement.sigma_px = 1.0;
+    constraints.push_back(constraint);
+  }
+  const auto found = poseByConsensus(constraints, camera_, params_.min_inliers / 2,
+                                     kWideStep.max_error_px, kWideStep.tries);
+  if (!found) return std::nullopt;
+  const auto matches = static_cast<int>(constraints.size());
+  if (log10Chance(found->inliers, matches, camera_) > kWideStep.log10_chance) return std::nullopt;
+  auto refined = stereo::refinePose(found->T_map_cam, constraints, camera_, kFromFeatures);
+  if (!refined) return std::nullopt;
+  int measured = 0;
+  std::vector<stereo::PoseConstraint> agreeing;
+  for (stereo::PoseConstraint& constraint : constraints) {
+    const auto uvd =
+        project(refined->T_map_cam.inverse(Eigen::Isometry) * constraint.point_map, camera_);
+    if (!constraint.inlier || !uvd) continue;
+    stereo::StereoMeasurement& seen = constraint.measurement;
+    const auto disparity = matcher_.search(frame.left, frame.right, seen.uv);
+    seen.stereo = disparity.has_value();
+    seen.disparity = disparity.value_or(0.0) - offset_px_;
+    seen.sigma_disparity_px = 2.0 * params_.sigma_disparity_px;  // of two frames
+    measured += seen.stereo ? 1 : 0;
+    agreeing.push_back(constraint);
+  }
+  refined = stereo::refinePose(refined->T_map_cam, agreeing, camera_, kFromFeatures);
+  if (!refined || refined->inliers < params_.min_inliers / 2) return std::nullopt;
+  const auto in_stereo = std::count_if(agreeing.begin(), agreeing.end(), [](const auto& one) {
+    return one.inlier && one.measurement.stereo && one.stereo_inlier;
+  });
+  const bool is_certain =
+      log10Chance(refined->inliers, matches,
+                  camera_)<kWideStep.log10_chance&& static_cast<double>(in_stereo)>
+              kWideStep.min_stereo_ratio *
+          measured &&
+      rotationSigma(refined->covariance) < kWideStep.max_turn_sigma;
+  if (!is_certain) return std::nullopt;
+  step_covariance_ = refined->covariance;
+  return refined->T_map_cam;
 }
 
 void VisualOdometry::restart(const TrackingFrame& frame) {
@@ -117,9 +210,11 @@ void VisualOdometry::removeOtherwiseMoving(const Pose& tracked, Followed& follow
 }
 
 void VisualOdometry::refine(const Pose& expected, const stereo::PoseRefinerOptions& gates,
-                            Followed& followed) const {
+                            Followed& followed) {
   const auto refined = stereo::refinePose(expected, followed.constraints, camera_, gates);
-  if (refined && refined->inliers >= params_.min_inliers) followed.motion = refined->T_map_cam;
+  if (!refined || refined->inliers < params_.min_inliers) return;
+  followed.motion = refined->T_map_cam;
+  step_covariance_ = refined->covariance;
 }
 
 /// Whether most corners are where the tracked motion sees them, too.
@@ -273,6 +368,7 @@ void VisualOdometry::turnRightCamera(const Eigen::Vector3d& before, const Eigen:
 /// Fills free cells with new corners, if a part of those that were there has been lost.
 void VisualOdometry::replenish(const TrackingFrame& frame) {
   left_ = frame.left;
+  right_ = frame.right;
   if (static_cast<double>(corners_.size()) > kRenewRatio * static_cast<double>(most_corners_)) {
     return;
   }

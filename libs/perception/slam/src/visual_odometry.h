@@ -26,7 +26,12 @@ namespace headway::slam {
 /// the image, the camera's motion gives their depths up to its scale, so that a line through
 /// measured and expected disparities has the scale as its slope and the offset as its intercept.
 ///
-/// @see  Nister et al. 2004, "Visual odometry"
+/// Where the image moves farther than corners are followed, or is blurred, ORB features of both
+/// frames are matched instead, and the motion is the one that more of them agree on than chance
+/// explains.
+///
+/// @see  Nister et al. 2004, "Visual odometry"; Moisan & Stival 2004, "A probabilistic criterion to
+///       detect rigid point matches between two images"
 class VisualOdometry {
  public:
   VisualOdometry(const StereoCamera& camera, const SlamParams& params);
@@ -38,12 +43,18 @@ class VisualOdometry {
   /// @return           nullopt if too few corners agree on a motion
   [[nodiscard]] std::optional<Pose> propose(const TrackingFrame& frame, const Pose& predicted);
 
+  /// The same by features of both frames, where too few corners are followed.
+  [[nodiscard]] std::optional<Pose> proposeWide(const TrackingFrame& frame);
+
   /// The same after it, and goes on from this frame.
   ///
   /// @param tracked  the motion as tracked in the map, which knows what is static: it decides only
   ///                 where most corners move otherwise; nullopt: it was not tracked in both
   [[nodiscard]] std::optional<Pose> advance(const TrackingFrame& frame,
                                             const std::optional<Pose>& tracked);
+
+  /// Of the last motion that was proposed or advanced by (right perturbation).
+  [[nodiscard]] const PoseCovariance& stepCovariance() const { return step_covariance_; }
 
   /// Starts at a frame without a motion since the last one.
   void restart(const TrackingFrame& frame);
@@ -80,12 +91,13 @@ class VisualOdometry {
     std::vector<stereo::PoseConstraint> constraints;  ///< points in the previous camera's frame
     std::vector<Corner> before;                       ///< the same, in the previous frame
     std::optional<Pose> motion;
+    bool by_features = false;  ///< which may be those of an object: a tracked motion decides
   };
 
   [[nodiscard]] Followed follow(const TrackingFrame& frame, const Pose& expected) const;
+  [[nodiscard]] std::optional<Pose> stepByDescriptors(const TrackingFrame& frame);
   void removeOtherwiseMoving(const Pose& tracked, Followed& followed) const;
-  void refine(const Pose& expected, const stereo::PoseRefinerOptions& gates,
-              Followed& followed) const;
+  void refine(const Pose& expected, const stereo::PoseRefinerOptions& gates, Followed& followed);
   [[nodiscard]] bool agree(const Followed& followed, const Pose& tracked) const;
   [[nodiscard]] std::vector<Corner> cornersOf(const Followed& followed) const;
   void replenish(const TrackingFrame& frame);
@@ -98,8 +110,10 @@ class VisualOdometry {
   stereo::StereoMatcher matcher_;
   FeatureGrid grid_;
   stereo::ImagePyramid left_;  ///< of the last frame
+  stereo::SecondView right_;   ///< of the last frame
   std::vector<Corner> corners_;
-  Followed followed_;                    ///< of propose()
+  Followed followed_;  ///< of propose()
+  PoseCovariance step_covariance_ = PoseCovariance::Zero();
   std::size_t most_corners_ = 0;         ///< after the last search for new ones
   Pose T_start_cam_ = Pose::Identity();  ///< of the last frame
   std::vector<Evidence> evidence_;       ///< since the last estimate of the offset

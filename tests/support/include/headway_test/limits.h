@@ -17,6 +17,7 @@ inline constexpr double kStreetAteM = 0.031;        ///< rawlogs/street.rawlog (
 inline constexpr double kKitti06AteM = 0.027;       ///< KITTI odometry 06, frames 0-50 (0.0180)
 inline constexpr double kKitti01AteM = 0.51;        ///< KITTI odometry 01, SLAM alone (0.339)
 inline constexpr double kKitti01TurnedAteM = 0.31;  ///< the right camera turned back (0.205)
+inline constexpr double kKinectTurnAteM = 0.03;      ///< TUM fr1_rpy, the 28 images (0.0171)
 inline constexpr double kEurocMh01AteM = 0.006;     ///< EuRoC MH_01, first 200 pairs (0.0039)
 
 // The same of two drives that share one map, judged as one path [m].
