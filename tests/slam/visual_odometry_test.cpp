@@ -130,7 +130,7 @@ TEST_F(VisualOdometryTest, WhereMostCornersMoveOtherwiseTheTrackedMotionDecides)
     test::TexturedWorld world = corridor(0.0);
     const Eigen::Vector3d before = onWay(i).translation() + Eigen::Vector3d(3.0, 0.0, 0.0);
     using V = Eigen::Vector3d;
-    world.boards.push_back({before + V(0.0, -1.1, -1.2), V::UnitY(), V::UnitZ(), 2.9, 2.4, {}});
+    world.boards.push_back({before + V(0.0, -1.1, -1.2), V::UnitY(), V::UnitZ(), 2.9, 2.4, {0.0, 0.0}});
     Pose pose = onWay(i);
     pose.linear().setIdentity();
     return makeTrackingFrame(world.frame(0, 0.1 * i, pose), {}, *world.camera(), params_);

@@ -27,7 +27,7 @@ constexpr OffsetParams kOffset;
 constexpr int kCorners = 250;          ///< cells of the image, each with a corner
 constexpr double kRenewRatio = 0.9;    ///< of the corners, below which new ones are sought
 constexpr double kMinDisparity = 0.1;  ///< [px]; nearer to 0 a depth has no upper bound
-constexpr double kAgreement_px = 2.0;  ///< of where both motions see the corners, median
+constexpr double kAgreement = 2.0;     ///< of where both motions see the corners [sigma_px]
 constexpr stereo::PoseRefinerOptions kFromPrediction{8.0, 4, 5};
 /// What a motion by descriptors must show.
 struct WideStepParams {
@@ -149,13 +149,11 @@ std::optional<Pose> VisualOdometry::stepByDescriptors(const TrackingFrame& frame
   const auto in_stereo = std::count_if(agreeing.begin(), agreeing.end(), [](const auto& one) {
     return one.inlier && one.measurement.stereo && one.stereo_inlier;
   });
-  const bool is_certain =
-      log10Chance(refined->inliers, matches,
-                  camera_)<kWideStep.log10_chance&& static_cast<double>(in_stereo)>
-              kWideStep.min_stereo_ratio *
-          measured &&
-      rotationSigma(refined->covariance) < kWideStep.max_turn_sigma;
-  if (!is_certain) return std::nullopt;
+  if (log10Chance(refined->inliers, matches, camera_) > kWideStep.log10_chance ||
+      static_cast<double>(in_stereo) <= kWideStep.min_stereo_ratio * measured ||
+      rotationSigma(refined->covariance) >= kWideStep.max_turn_sigma) {
+    return std::nullopt;
+  }
   step_covariance_ = refined->covariance;
   return refined->T_map_cam;
 }
@@ -227,7 +225,7 @@ bool VisualOdometry::agree(const Followed& followed, const Pose& tracked) const 
     const auto there = project(T_tracked_previous * constraint.point_map, camera_);
     if (here && there) apart.push_back((*here - *there).head<2>().norm());
   }
-  return !apart.empty() && median(apart) <= kAgreement_px;
+  return !apart.empty() && median(apart) <= kAgreement * params_.sigma_px;
 }
 
 /// The corners that agree with the motion, in the new frame, their depths filtered.
