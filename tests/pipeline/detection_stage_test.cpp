@@ -207,6 +207,14 @@ TEST(DetectionStageTest, MovingRegionsAreExcludedFromTheNextFramesLandmarks) {
   EXPECT_FALSE(regions.mask.empty());
 }
 
+TEST(DetectionStageTest, ImagesThatWereSeenBeforeAreNoNews) {
+  const PaintedStreet street({kMoving});
+  DetectionStage stage(street.camera(), paramsFor("stereo_motion"));
+  const auto frame = frameOf(street, 0);
+  EXPECT_FALSE(stage.detectObjects(frame, contextOf(frame), false).detectors_run);
+  EXPECT_TRUE(stage.detectObjects(frame, contextOf(frame)).detectors_run);
+}
+
 TEST(DetectionStageTest, UnusableFramesAreCounted) {
   const PaintedStreet street({});
   DetectionStage stage(street.camera(), paramsFor("stereo_motion"));

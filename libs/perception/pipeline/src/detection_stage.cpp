@@ -115,14 +115,14 @@ bool DetectionStage::isDue(Time time) {
 
 ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
                                                const std::optional<stereo::FrameContext>& context,
-                                               bool ground_scanned) {
+                                               bool is_new, bool ground_scanned) {
   const auto start = Clock::now();
   ObjectDetections boxes;
   boxes.context = context;
   if (use_recorded_) addRecorded(frame, boxes);
   const bool has_detectors = stereo_motion_ || (!automatic_ && !detectors_.empty());
   // A frame of boxes or poses alone does not take the turn of one with images.
-  boxes.detectors_run = frame.stereo && isDue(frame.time) && has_detectors;
+  boxes.detectors_run = frame.stereo && is_new && isDue(frame.time) && has_detectors;
   if (boxes.detectors_run) {
     const bool with_images = !automatic_ || stereo_motion_;
     boxes.classified = has_network_ && with_images;

@@ -56,10 +56,11 @@ class DetectionStage {
   /// starts in its own thread if a later step needs it.
   ///
   /// @param context         of the frame; nullopt without images
+  /// @param is_new          its images are not those of the frame before
   /// @param ground_scanned  the ground of this frame will be scanned
   [[nodiscard]] ObjectDetections detectObjects(const RecordedFrame& frame,
                                                const std::optional<stereo::FrameContext>& context,
-                                               bool ground_scanned = false);
+                                               bool is_new = true, bool ground_scanned = false);
 
   /// Detects moving objects, fuses all sources, and lifts boxes that have no depth.
   ///

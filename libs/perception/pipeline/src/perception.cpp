@@ -186,8 +186,11 @@ class Perception::Implementation {
     FrameState state = begin(frame);
     state.add(health.checkFrame(state));
     state.images = health.imageEvidence();
+    // What was seen before is no news of what moves or of what is free.
+    const bool is_new = state.images != slam::ImageEvidence::kSeenBefore;
+    state.scans_ground = is_new && mapping.takesTurn(frame, rate_);
     state.context = rectify(state);
-    state.boxes = detection.detectObjects(frame, state.context, state.scans_ground);
+    state.boxes = detection.detectObjects(frame, state.context, is_new, state.scans_ground);
     localise(state);
     state.found = detect(state);
     state.disparity_offset = localisation.disparityOffset(state);
@@ -253,7 +256,6 @@ class Perception::Implementation {
     state.clock = clockStep(frame, previous_);
     if (state.clock == ClockStep::kSetBack) state.ended = restart();
     state.is_by_slam = localisation.isBySlam(frame);
-    state.scans_ground = mapping.takesTurn(frame, rate_);
     if (!frame.stereo) return state;
     state.motion_prior = frame.stereo->motion_prior;
     if (!countsFromAnother(frame, previous_)) return state;

@@ -64,7 +64,10 @@ class StereoSlam::Implementation {
     tracker_.setInterval(rate_.interval());
     const bool is_repeated = images == ImageEvidence::kSeenBefore;
     const bool stands = standstill_check_.add(frame.time, frame.motion_prior, !is_repeated);
-    const bool is_frozen = is_repeated && !(params_.use_odometry && stands);
+    const bool has_wheels = params_.use_odometry && frame.motion_prior.T_previous_current;
+    const bool may_stand = has_wheels ? stands : !isMotionVisible(frame);
+    const bool is_held = is_repeated && may_stand && reference_ && lost_in_a_row_ == 0;
+    const bool is_frozen = is_repeated && !is_held && !(has_wheels && stands);
     TrackingFrame current;
     std::optional<TrackedPose> tracked;
     {
@@ -73,18 +76,19 @@ class StereoSlam::Implementation {
       odometry_since_tracked_.add(frame.motion_prior);
       turns_known_ = turns_known_ && params_.use_imu && frame.motion_prior.R_previous_current;
       current = makeTrackingFrame(context, moving, *camera_, params_);
-      if (!is_frozen) tracked = track(context, current);
+      if (!is_frozen && !is_held) tracked = track(context, current);
     }
     const auto watch = times_.watch("slam_map");
-    SlamUpdate update =
-        is_frozen ? passOver(frame, current) : localised(frame, current, tracked, images);
+    SlamUpdate update = is_held     ? held()
+                        : is_frozen ? passOver(frame, current)
+                                    : localised(frame, current, tracked, images);
     update.imu = inertial_.status();
     if (!searched.attempts.empty()) update.loops = std::move(searched.attempts);
     describePose(update);
     is_cause_kept_ = false;
     trajectory_.add(current.index, current.time, isTracked(update.status), motion_.last(),
                     reference_, map_);
-    if (update.status == TrackingStatus::kLost || is_frozen) return update;
+    if (update.status == TrackingStatus::kLost || is_held || is_frozen) return update;
     odometry_since_tracked_.restartAt(*reference_);
     last_tracked_ = current.time;
     turns_known_ = seen_since_tracked_ = true;
@@ -407,6 +411,38 @@ class StereoSlam::Implementation {
     const auto of_robot = composedCovariance(before, T_cam_robot_, PoseCovariance::Zero());
     const auto moved = composedCovariance(of_robot, link.T_from_this, covarianceOf(link));
     return composedCovariance(moved, camera_->T_robot_cam, PoseCovariance::Zero());
+  }
+
+  /// Whether the camera's motion since its images were new shows in images: as its velocity then
+  /// predicts it, or as of a robot that started at once.
+  [[nodiscard]] bool isMotionVisible(const StereoFrame& frame) const {
+    constexpr double kAcceleration = 1.0;  ///< of a robot or a hand, as in coast() [m/s^2, rad/s^2]
+    constexpr double kSigmas = 2.0;        ///< of a corner's place, beyond which a shift shows
+    const Pose T_cam_map = motion_.last().inverse(Eigen::Isometry);
+    const Pose T_now_before = predictedStep(frame).inverse(Eigen::Isometry);
+    std::vector<double> shifts, inverse_depths;
+    for (const TrackedLandmark& seen : seen_before_) {
+      const Landmark* landmark = map_.find(seen.id);
+      if (landmark == nullptr) continue;
+      const Eigen::Vector3d point = T_cam_map * landmark->position;
+      const auto before = project(point, *camera_);
+      const auto now = project(T_now_before * point, *camera_);
+      if (!before || !now) continue;
+      shifts.push_back((*now - *before).head<2>().norm());
+      inverse_depths.push_back(1.0 / point.z());
+    }
+    if (shifts.empty()) return true;
+    const double metres = 0.5 * kAcceleration * square(frame.time - previous_.time);
+    const double shift_of_start = camera_->fx * metres * (1.0 + median(inverse_depths));
+    return std::max(median(shifts), shift_of_start) > kSigmas * params_.sigma_px;
+  }
+
+  /// The images were seen before, and nothing says that the camera has moved since.
+  [[nodiscard]] SlamUpdate held() const {
+    SlamUpdate update;
+    update.status = TrackingStatus::kTracked;
+    update.inliers = update.features = static_cast<int>(seen_before_.size());
+    return update;
   }
 
   /// The images were seen before, while the robot may move on.

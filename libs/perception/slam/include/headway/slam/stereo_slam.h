@@ -71,7 +71,7 @@ enum class ImageEvidence {
 enum class Doubt {
   kNone,
   kImages,    ///< left and right images contradict each other
-  kFrozen,    ///< the same images again, and no odometry that stands: the pose is predicted
+  kFrozen,    ///< the same images again, though the camera has or may have moved: it is predicted
   kOdometry,  ///< camera and wheels differ by more than 3 sigma over the last second
   kSpeed,     ///< faster than slam.max_speed
 };
