@@ -45,10 +45,10 @@ class LostCameraTest : public testing::Test {
     return lost;
   }
 
-  SlamUpdate processed(StereoFrame frame) {
+  SlamUpdate processed(StereoFrame frame, const MovingRegions& moving = {}) {
     frame.index = frames_++;
     frame.time = 0.1 * static_cast<double>(frame.index);
-    return slam().process(frame, {});
+    return slam().process(frame, moving);
   }
 
   /// Walks on without seeing anything, told by wheels whose way is 1 % too long.
@@ -145,6 +145,32 @@ TEST_F(LostCameraTest, BeginsAnewAtOnceWhatItLostRightAfterTheStart) {
   const Eigen::Vector3d moved =
       path[11].T_map_robot.translation() - path[9].T_map_robot.translation();
   EXPECT_NEAR(moved.norm(), (onPath(11).translation() - onPath(9).translation()).norm(), 0.02);
+}
+
+TEST_F(LostCameraTest, BoxesThatLeaveNothingInViewDoNotCostThePose) {
+  ASSERT_EQ(walk(world_, 0, 15), 0);
+  MovingRegions moving;
+  moving.boxes.push_back({{0.0, 0.0, 320.0, 232.0}});
+  for (int i = 15; i < 25; ++i) {
+    const auto update = processed(world_.frame(0, 0.0, onPath(i)), moving);
+    ASSERT_EQ(update.status, TrackingStatus::kTracked) << i;
+    EXPECT_LT((update.T_map_robot.translation() - onPath(i).translation()).norm(), 0.03) << i;
+  }
+}
+
+TEST_F(LostCameraTest, AnObjectThatFillsTheViewDoesNotGiveThePose) {
+  ASSERT_EQ(walk(world_, 0, 15), 0);
+  MovingRegions moving;
+  moving.boxes.push_back({{0.0, 0.0, 320.0, 232.0}});
+  for (int i = 15; i < 25; ++i) {
+    test::TexturedWorld with_bus = world_;
+    const Eigen::Vector3d bus(onPath(i).translation().x() + 1.5, 0.1 * (i - 15) - 3.0, -1.3);
+    with_bus.boards.push_back(
+        {bus, Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), 6.0, 2.7, {0.0, 0.0}});
+    const auto update = processed(with_bus.frame(0, 0.0, onPath(i)), moving);
+    if (!isTracked(update.status)) continue;
+    EXPECT_LT((update.T_map_robot.translation() - onPath(i).translation()).norm(), 0.05) << i;
+  }
 }
 
 TEST_F(LostCameraTest, TurnsInStepsOfAThirdOfItsView) {

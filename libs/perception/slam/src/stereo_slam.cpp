@@ -187,6 +187,13 @@ class StereoSlam::Implementation {
       tracked =
           tracker_.measureLocalMap(current, *proposed, local_landmarks_, map_, params_.min_inliers);
     }
+    if (!tracked && !current.excluded.empty()) {
+      // Regions of objects leave too little in view. Landmarks are none of theirs.
+      TrackingFrame whole = current;
+      whole.excluded.release();
+      tracked = tracker_.track(previous_, seen_before_, whole, proposed, initial_poses,
+                               local_landmarks_, active_submap_.isNew(rate_), map_);
+    }
     if (tracked) return tracked;
     KeyframeId recognised;
     tracked = loops_.locate(current, map_, &recognised);
