@@ -354,7 +354,11 @@ void report(const eval::PeopleError& error) {
   plot::writeTable(std::cout, tableOf(error));
   std::cout << "\n"
             << error.rows << " confirmed rows in " << error.frames << " frames, "
-            << error.false_rows << " false (" << plot::percentText(error.falseRatio(), 1) << " %)\n"
+            << error.false_rows << " false (" << plot::percentText(error.falseRatio(), 1) << " %)";
+  if (error.rows_without_pose > 0) {
+    std::cout << ", " << error.rows_without_pose << " left out: the camera was lost";
+  }
+  std::cout << "\n"
             << error.person_rows << " rows say person, " << error.person_rows_right << " right ("
             << plot::percentText(error.personRowsRatio(), 1) << " %)\n"
             << error.moving_tracks << " moving tracks, " << error.false_moving_tracks.size()

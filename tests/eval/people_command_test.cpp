@@ -85,6 +85,21 @@ TEST_F(PeopleCommandTest, CountsPeopleUpToTheReachAlone) {
   EXPECT_TRUE(figures.at("all").at("found_ratio").is_null());
 }
 
+TEST_F(PeopleCommandTest, CountsThePeopleOfFramesInWhichTheCameraWasLost) {
+  std::string online = contentOf(at("out/trajectory_online.tum"));
+  const auto tenth = online.find("\n1.0") + 1;
+  online.erase(tenth, online.find('\n', tenth) + 1 - tenth);
+  file("out/trajectory_online.tum", online);
+  const auto result = run("--json " + at("p.json"));
+  ASSERT_EQ(0, result.status) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("9 confirmed rows in 20 frames"));
+  EXPECT_THAT(result.out, HasSubstr("1 left out: the camera was lost"));
+  const auto figures = nlohmann::json::parse(contentOf(at("p.json")));
+  EXPECT_EQ(1, figures.at("rows_without_pose"));
+  EXPECT_EQ(16, figures.at("walking").at("1.5-3").at("person_frames"));
+  EXPECT_EQ(7, figures.at("walking").at("1.5-3").at("found"));
+}
+
 TEST_F(PeopleCommandTest, NamesWhatIsMissing) {
   file("w.truth/trajectory.tum", "0.0 0 0 0 0 0 0 1\n");
   EXPECT_THAT(run().error, HasSubstr("is it the truth of the replay's rawlog?"));

@@ -242,16 +242,23 @@ PeopleError evaluatePeople(const fs::path& truth, const fs::path& replay, double
     const Pose T_robot_map = true_poses[sample.frame].value.inverse();
     frame->truth.push_back({transformed(sample.track, T_robot_map), visible});
   }
+  std::size_t rows_without_pose = 0;
   for (const auto& sample : io::readTrackCsv((replay / "tracks.csv").string())) {
     PeopleFrame* frame = frameOf(sample.frame);
-    const Pose* T_map_robot = poseAt(estimated, sample.time);
-    if (frame == nullptr || T_map_robot == nullptr) {
+    if (frame == nullptr) {
       throw InputError((replay / "tracks.csv").string() + ": frame " +
-                       std::to_string(sample.frame) + " has a track, but no pose");
+                       std::to_string(sample.frame) + " is not one of the replay's");
+    }
+    const Pose* T_map_robot = poseAt(estimated, sample.time);
+    if (T_map_robot == nullptr) {
+      ++rows_without_pose;
+      continue;
     }
     frame->rows.push_back(transformed(sample.track, T_map_robot->inverse()));
   }
-  return peopleError(frames, camera, params);
+  PeopleError error = peopleError(frames, camera, params);
+  error.rows_without_pose = rows_without_pose;
+  return error;
 }
 
 Json toJson(const PeopleError& error) {
@@ -262,6 +269,7 @@ Json toJson(const PeopleError& error) {
           {"walking", jsonOf(error.walking)},
           {"standing", jsonOf(error.standing)},
           {"rows", error.rows},
+          {"rows_without_pose", error.rows_without_pose},
           {"false_rows", error.false_rows},
           {"false_ratio", orNull(error.falseRatio())},
           {"person_rows", error.person_rows},

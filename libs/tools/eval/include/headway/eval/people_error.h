@@ -60,7 +60,8 @@ struct PeopleError {
   PersonFrames all;
   std::map<std::string, PersonFrames> walking, standing;  ///< "0.5-1.5", "1.5-3", "3-7", "7-" [m]
   std::size_t rows = 0;                                   ///< confirmed
-  std::size_t false_rows = 0;                             ///< of these
+  std::size_t rows_without_pose = 0;  ///< of frames in which the camera was lost: they do not count
+  std::size_t false_rows = 0;         ///< of these
   std::size_t person_rows = 0;        ///< confirmed, Pedestrian or Person_sitting
   std::size_t person_rows_right = 0;  ///< of these, not farther than false rows from a person
   std::size_t moving_tracks = 0;      ///< with confirmed moving rows
