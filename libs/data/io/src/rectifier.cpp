@@ -154,38 +154,63 @@ bool isSameLens(const RawCamera& lens, const StereoCamera& camera) {
 /// A depth pixel in the intensity image.
 using Point = cv::Vec3f;  // u, v, disparity [px]; disparity 0: nothing was measured
 
-/// Whether three pixels are of one surface.
-bool isSurface(const Point& a, const Point& b, const Point& c) {
-  const auto [least, most] = std::minmax({a[2], b[2], c[2]});
-  return least > 0.0F && most - least <= std::max(kStep, kStepRatio * most);
+/// Pixels of an image that may be in a polygon with these corners; empty: first > last.
+struct PixelRange {
+  int first = 0, last = -1;
+};
+
+/// @param size  of the image along this axis
+PixelRange pixelsBetween(float least, float most, int size) {
+  // Pixels at the edge of a lens may be anywhere.
+  if (!(most >= 0.0F) || !(least <= static_cast<float>(size)) || most - least > kMaxTriangleSide) {
+    return {};
+  }
+  const float from = std::max(0.0F, least - kRounding);
+  int first = static_cast<int>(from);  // not std::ceil(): most of the time went into it
+  if (static_cast<float>(first) < from) ++first;
+  return {first, std::min(size - 1, static_cast<int>(most + kRounding))};
 }
 
-/// Fills a triangle; disparities are linear in the image on a plane. The nearest surface counts.
-void fill(const Point& a, const Point& b, const Point& c, cv::Mat& disparities) {
-  if (!isSurface(a, b, c)) return;
-  const auto [left, right] = std::minmax({a[0], b[0], c[0]});
-  const auto [top, bottom] = std::minmax({a[1], b[1], c[1]});
-  // Pixels at the edge of a lens may be anywhere.
-  const bool is_inside = right >= 0.0F && bottom >= 0.0F &&
-                         left <= static_cast<float>(disparities.cols) &&
-                         top <= static_cast<float>(disparities.rows);
-  if (!is_inside || right - left > kMaxTriangleSide || bottom - top > kMaxTriangleSide) return;
-  const float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-  if (!(area > 0.0F)) return;  // seen from behind
-  const int last_u =
-      std::min(disparities.cols - 1, static_cast<int>(std::floor(right + kRounding)));
-  const int last_v =
-      std::min(disparities.rows - 1, static_cast<int>(std::floor(bottom + kRounding)));
-  const int first_u = std::max(0, static_cast<int>(std::ceil(left - kRounding)));
-  for (int v = std::max(0, static_cast<int>(std::ceil(top - kRounding))); v <= last_v; ++v) {
+/// A triangle of depth pixels of one surface: disparities are linear in the image on a plane.
+class Triangle {
+ public:
+  Triangle(const Point& a, const Point& b, const Point& c)
+      : a_(a), ab_(b - a), ac_(c - a), area_(ab_[0] * ac_[1] - ac_[0] * ab_[1]) {
+    const auto [least, most] = std::minmax({a[2], b[2], c[2]});
+    is_surface_ = least > 0.0F && most - least <= std::max(kStep, kStepRatio * most);
+  }
+  /// Whether it is of one surface, seen from ahead.
+  [[nodiscard]] bool isSeen() const { return is_surface_ && area_ > 0.0F; }
+  /// The disparity at a pixel; 0 outside.
+  [[nodiscard]] float at(int u, int v) const {
+    const float du = static_cast<float>(u) - a_[0], dv = static_cast<float>(v) - a_[1];
+    const float of_b = du * ac_[1] - ac_[0] * dv, of_c = ab_[0] * dv - du * ab_[1];  // times area_
+    const float rounding = kRounding * area_;
+    if (of_b < -rounding || of_c < -rounding || of_b + of_c > area_ + rounding) return 0.0F;
+    return a_[2] + (of_b * ab_[2] + of_c * ac_[2]) / area_;
+  }
+
+ private:
+  Point a_, ab_, ac_;
+  float area_ = 0.0F;  ///< twice that of the triangle; negative: seen from behind
+  bool is_surface_ = false;
+};
+
+/// Fills what four neighbouring depth pixels cover, in two triangles. The nearest surface counts.
+void fill(const Point& a, const Point& b, const Point& c, const Point& d, cv::Mat& disparities) {
+  if (!(b[2] > 0.0F) || !(c[2] > 0.0F)) return;  // of both triangles
+  const auto [left, right] = std::minmax({a[0], b[0], c[0], d[0]});
+  const auto [top, bottom] = std::minmax({a[1], b[1], c[1], d[1]});
+  const auto columns = pixelsBetween(left, right, disparities.cols);
+  const auto rows = pixelsBetween(top, bottom, disparities.rows);
+  if (columns.first > columns.last || rows.first > rows.last) return;
+  const Triangle upper(a, b, c), lower(b, d, c);
+  for (int v = rows.first; v <= rows.last; ++v) {
     auto* row = disparities.ptr<float>(v);
-    for (int u = first_u; u <= last_u; ++u) {
-      const float du = static_cast<float>(u) - a[0];
-      const float dv = static_cast<float>(v) - a[1];
-      const float of_b = (du * (c[1] - a[1]) - (c[0] - a[0]) * dv) / area;
-      const float of_c = ((b[0] - a[0]) * dv - du * (b[1] - a[1])) / area;
-      if (of_b < -kRounding || of_c < -kRounding || of_b + of_c > 1.0F + kRounding) continue;
-      row[u] = std::max(row[u], a[2] + of_b * (b[2] - a[2]) + of_c * (c[2] - a[2]));
+    for (int u = columns.first; u <= columns.last; ++u) {
+      float disparity = upper.isSeen() ? upper.at(u, v) : 0.0F;
+      if (disparity == 0.0F && lower.isSeen()) disparity = lower.at(u, v);
+      row[u] = std::max(row[u], disparity);
     }
   }
 }
@@ -344,8 +369,7 @@ cv::Mat DepthRegistration::disparities(const cv::Mat& ranges) const {
     const auto* upper = points.ptr<Point>(v);
     const auto* lower = points.ptr<Point>(v + 1);
     for (int u = 0; u + 1 < points.cols; ++u) {
-      fill(upper[u], upper[u + 1], lower[u], result);
-      fill(upper[u + 1], lower[u + 1], lower[u], result);
+      fill(upper[u], upper[u + 1], lower[u], lower[u + 1], result);
     }
   }
   return result;
