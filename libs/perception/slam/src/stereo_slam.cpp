@@ -177,15 +177,19 @@ class StereoSlam::Implementation {
     }
     std::optional<Pose> proposed;
     auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
-    if (!step) step = visual_odometry_.proposeWide(current);
+    const bool is_wide = !step;
+    if (is_wide) step = visual_odometry_.proposeWide(current);
     if (step) proposed = normalized(motion_.last() * *step);
     const std::vector<Pose> initial_poses{motion_.predict(context.frame()), motion_.last()};
-    auto tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
-                                  local_landmarks_, active_submap_.isNew(rate_), map_);
-    if (!tracked && proposed) {
-      // In a wide step few of the landmarks before are still in view.
+    std::optional<TrackedPose> tracked;
+    if (is_wide && proposed) {
+      // Few of the landmarks before are still in view.
       tracked =
           tracker_.measureLocalMap(current, *proposed, local_landmarks_, map_, params_.min_inliers);
+    }
+    if (!tracked) {
+      tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
+                               local_landmarks_, active_submap_.isNew(rate_), map_);
     }
     if (!tracked && !current.excluded.empty()) {
       // Regions of objects leave too little in view. Landmarks are none of theirs.

@@ -110,8 +110,13 @@ std::optional<Pose> VisualOdometry::advance(const TrackingFrame& frame,
 /// The motion from the last frame by ORB features of both on all levels, which need no prediction.
 std::optional<Pose> VisualOdometry::stepByDescriptors(const TrackingFrame& frame) {
   if (left_.levels.empty()) return std::nullopt;
-  const auto before = detectAndDescribe(left_.levels.front(), kWideStep.features, {});
-  const auto now = detectAndDescribe(frame.left.levels.front(), kWideStep.features, frame.excluded);
+  const auto featuresIn = [](const stereo::ImagePyramid& image, const cv::Mat& excluded) {
+    return detectAndDescribe(image.levels.front(), kWideStep.features, excluded);
+  };
+  if (features_.empty()) features_ = featuresIn(left_, {});
+  new_features_ = featuresIn(frame.left, frame.excluded);
+  const auto& before = features_;
+  const auto& now = new_features_;
   std::vector<stereo::PoseConstraint> constraints;
   for (const auto& [i, j] : matchDescriptors(descriptorsOf(before), descriptorsOf(now))) {
     const Eigen::Vector2d& uv = before[static_cast<std::size_t>(i)].uv;
@@ -367,6 +372,7 @@ void VisualOdometry::turnRightCamera(const Eigen::Vector3d& before, const Eigen:
 void VisualOdometry::replenish(const TrackingFrame& frame) {
   left_ = frame.left;
   right_ = frame.right;
+  features_ = std::exchange(new_features_, {});
   if (static_cast<double>(corners_.size()) > kRenewRatio * static_cast<double>(most_corners_)) {
     return;
   }

@@ -109,8 +109,10 @@ class VisualOdometry {
   SlamParams params_;
   stereo::StereoMatcher matcher_;
   FeatureGrid grid_;
-  stereo::ImagePyramid left_;  ///< of the last frame
-  stereo::SecondView right_;   ///< of the last frame
+  stereo::ImagePyramid left_;                 ///< of the last frame
+  stereo::SecondView right_;                  ///< of the last frame
+  std::vector<DescribedPoint> features_;      ///< of the last frame, where they were sought
+  std::vector<DescribedPoint> new_features_;  ///< of the frame that is proposed
   std::vector<Corner> corners_;
   Followed followed_;  ///< of propose()
   PoseCovariance step_covariance_ = PoseCovariance::Zero();
