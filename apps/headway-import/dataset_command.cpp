@@ -168,6 +168,9 @@ void finish(ImportOptions& options) {
   if (options.degrade && options.boxes.empty() && options.detections.empty()) {
     throw program::UsageError("--degrade requires --detections for this dataset");
   }
+  if (options.to_index && *options.to_index < options.from_index.value_or(0)) {
+    throw program::UsageError("--to-index is before --from-index");
+  }
   if (options.poses == "oxts" && has_images) {
     options.use_oxts_poses = true;
     options.poses.clear();
@@ -297,7 +300,11 @@ class SensorWriter {
     for (; next_inertial_ < inertial_.size() && inertial_[next_inertial_].time <= time;
          ++next_inertial_) {
       const auto& sample = inertial_[next_inertial_];
-      sink.writeImu(sample.time, sample.angular_velocity, sample.acceleration);
+      if (sample.angular_velocity) {
+        sink.writeImu(sample.time, *sample.angular_velocity, sample.acceleration);
+      } else {
+        sink.writeAcceleration(sample.time, sample.acceleration);
+      }
     }
     for (; next_gnss_ < gnss_.size() && gnss_[next_gnss_].time <= time; ++next_gnss_) {
       sink.writeGnss(gnss_[next_gnss_]);
@@ -310,6 +317,19 @@ class SensorWriter {
   std::size_t next_inertial_ = 0;
   std::size_t next_gnss_ = 0;
 };
+
+/// Counts of those dropped images alone that lie in the time from the first to the last frame that
+/// was imported.
+void keepInRange(const io::Dataset& dataset, std::optional<Time> from, std::optional<Time> to,
+                 std::map<std::string, std::size_t>& dropped) {
+  for (const auto& [reason, times] : dataset.droppedTimes()) {
+    const auto outside = std::count_if(times.begin(), times.end(), [&](Time time) {
+      return (from && time < *from) || (to && time > *to);
+    });
+    if (outside > 0) dropped[reason] -= static_cast<std::size_t>(outside);
+    if (dropped[reason] == 0) dropped.erase(reason);
+  }
+}
 
 /// Writes the dataset and the side files as a rawlog.
 ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& options) {
@@ -327,8 +347,11 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
   io::RawlogSink sink(options.output, storage);
   SensorWriter sensors(dataset);
   program::Progress progress("frames", options.quiet);
+  Time first_time = 0.0, last_time = 0.0;
   for (std::size_t index = first; index < end && !summary.interrupted; ++index) {
     io::DatasetFrame frame = dataset.frame(index);
+    if (index == first) first_time = frame.time;
+    last_time = frame.time;
     if (index == first && dataset.warnings().count(io::kTimesAssumed) > 0) {
       sink.writeTimesAssumed(frame.time);
     }
@@ -340,6 +363,9 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
                     static_cast<double>(summary.frames) / static_cast<double>(end - first));
     summary.interrupted = program::interrupted();
   }
+  const bool is_to_end = first + summary.frames == dataset.size();
+  keepInRange(dataset, first > 0 ? std::optional(first_time) : std::nullopt,
+              is_to_end ? std::nullopt : std::optional(last_time), summary.dropped);
   sink.close();
   return summary;
 }

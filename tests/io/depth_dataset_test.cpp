@@ -97,6 +97,45 @@ TEST_F(DepthDatasetTest, ImagesWithoutDepthAreCounted) {
               HasSubstr("no image of rgb.txt has a depth image within 0.02 s"));
 }
 
+TEST_F(DepthDatasetTest, PartOfASequenceCountsWhatIsMissingInIt) {
+  writeTum("t", 6);
+  write("t/depth.txt",
+        "1305031102.005 depth/0.png\n1305031102.205 depth/2.png\n1305031102.305 depth/3.png\n");
+  const std::string call = "tum-rgbd " + at("t") + " -w -o " + at("x.rawlog");
+  EXPECT_THAT(import(call).output, HasSubstr("x.rawlog: 3 frames, skipped no_depth 3\n"));
+  EXPECT_THAT(import(call + " --to-index 1").output, HasSubstr(": 2 frames, skipped no_depth 1\n"));
+  EXPECT_THAT(import(call + " --to-index 0").output, HasSubstr(": 1 frames\n"));
+  EXPECT_THAT(import(call + " --from-index 2").output,
+              HasSubstr(": 1 frames, skipped no_depth 2\n"));
+  EXPECT_EQ(2, import(call + " --from-index 2 --to-index 1").status);
+}
+
+TEST_F(DepthDatasetTest, TheAccelerometerOfATumSequenceIsInertialData) {
+  writeTum("t", 3);
+  // The first sample of freiburg1_desk, whose camera looks 43 degrees down.
+  std::string rows = "# timestamp ax ay az\n";
+  for (int i = 0; i < 30; ++i) {
+    rows += std::to_string(1305031101.9 + 0.01 * i) + " -0.083818 7.244229 -6.657506\n";
+  }
+  write("t/accelerometer.txt", rows);
+  const auto samples = openTumRgbd(at("t"), "")->inertial();
+  ASSERT_EQ(30u, samples.size());
+  EXPECT_FALSE(samples[0].angular_velocity);
+  EXPECT_NEAR(1305031101.9, samples[0].time, 1e-6);
+  const Eigen::Vector3d expected(-6.657506, -0.083818, 7.244229);  // robot: forward, left, up
+  EXPECT_LT((samples[0].acceleration - expected).norm(), 1e-9) << samples[0].acceleration;
+  ASSERT_EQ(0, import("tum-rgbd " + at("t") + " -o " + at("x.rawlog")).status);
+  RawlogSource source(at("x.rawlog"), {});
+  const auto frame = source.next();
+  ASSERT_TRUE(frame && frame->stereo);
+  ASSERT_TRUE(frame->stereo->motion_prior.specific_force);
+  EXPECT_LT((*frame->stereo->motion_prior.specific_force - expected).norm(), 1e-6);
+  EXPECT_FALSE(frame->stereo->motion_prior.velocity_increment);
+  write("t/accelerometer.txt", "1305031102.0 0 9.8\n");
+  EXPECT_THAT(test::errorOf([&] { (void)openTumRgbd(at("t"), ""); }),
+              HasSubstr("accelerometer.txt:1"));
+}
+
 TEST_F(DepthDatasetTest, TumFoldersOfLinksAreReadAndPointersAreNamed) {
   writeTum("t", 2);
   fs::rename(folder_ / "t/rgb", folder_ / "elsewhere");

@@ -134,7 +134,9 @@ class Euroc : public Dataset {
 
   std::optional<RawStereoCamera> camera() const override { return camera_; }
   std::vector<DatasetInertial> inertial() const override { return inertial_; }
-  std::map<std::string, std::size_t> dropped() const override { return dropped_; }
+  std::map<std::string, std::vector<Time>> droppedTimes() const override {
+    return {{"unpaired_image", unpaired_}};
+  }
 
  private:
   struct Pair {
@@ -150,8 +152,12 @@ class Euroc : public Dataset {
         pairs_.push_back({secondsOf(time), path, partner->second});
       }
     }
-    const std::size_t unpaired = left.images.size() + right.images.size() - 2 * pairs_.size();
-    if (unpaired > 0) dropped_["unpaired_image"] = unpaired;
+    for (const auto& [images, others] :
+         {std::pair(&left.images, &right.images), std::pair(&right.images, &left.images)}) {
+      for (const auto& [time, path] : *images) {
+        if (others->count(time) == 0) unpaired_.push_back(secondsOf(time));
+      }
+    }
     if (pairs_.empty()) throw InputError(folder + ": cam0 and cam1 have no common time stamp");
   }
 
@@ -185,7 +191,7 @@ class Euroc : public Dataset {
   std::vector<Pair> pairs_;
   std::vector<Stamped<Pose>> truth_;  ///< robot in the dataset's world
   std::vector<DatasetInertial> inertial_;
-  std::map<std::string, std::size_t> dropped_;
+  std::vector<Time> unpaired_;  ///< of images
 };
 
 }  // namespace

@@ -174,4 +174,19 @@ std::vector<std::array<std::size_t, 2>> pairedByTime(const std::vector<Time>& ti
   return pairs;
 }
 
+std::vector<Time> unpairedTimes(const std::vector<Time>& times,
+                                const std::vector<std::array<std::size_t, 2>>& pairs,
+                                std::size_t side) {
+  std::vector<Time> unpaired;
+  std::size_t next = 0;  // pair, in order of both sides
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (next < pairs.size() && pairs[next][side] == i) {
+      ++next;
+    } else {
+      unpaired.push_back(times[i]);
+    }
+  }
+  return unpaired;
+}
+
 }  // namespace headway::io

@@ -58,6 +58,13 @@ void requireTimesFor(std::size_t images, const std::string& path, const std::vec
                                                                    const std::vector<Time>& others,
                                                                    double max_gap_s);
 
+/// The times of one side's images that are in no pair.
+///
+/// @param side  0: `times` are the first ones of the pairs, 1: the second ones
+[[nodiscard]] std::vector<Time> unpairedTimes(const std::vector<Time>& times,
+                                              const std::vector<std::array<std::size_t, 2>>& pairs,
+                                              std::size_t side);
+
 inline constexpr double kMaxDepthGapS =
     0.02;  ///< between an image and its depth: less than 1/50 Hz
 

@@ -127,10 +127,9 @@ class ImagePairs {
   [[nodiscard]] std::size_t other(std::size_t index) const { return pairs_.at(index)[1]; }
   [[nodiscard]] Time time(std::size_t index) const { return times_.at(left(index)); }
   [[nodiscard]] bool isAssumed() const { return is_assumed_; }
-  /// Images without partner.
-  [[nodiscard]] std::map<std::string, std::size_t> dropped() const {
-    return unpaired_ > 0 ? std::map<std::string, std::size_t>{{"unpaired_image", unpaired_}}
-                         : std::map<std::string, std::size_t>();
+  /// Times of images without partner.
+  [[nodiscard]] std::map<std::string, std::vector<Time>> dropped() const {
+    return {{"unpaired_image", unpaired_}};
   }
 
  private:
@@ -142,7 +141,9 @@ class ImagePairs {
       throw InputError(side->name() + ": the times of its images do not increase");
     }
     pairs_ = pairedByTime(times_, others, max_gap_s);
-    unpaired_ = left.size() + other.size() - 2 * pairs_.size();
+    unpaired_ = unpairedTimes(times_, pairs_, 0);
+    const auto unpaired_others = unpairedTimes(others, pairs_, 1);
+    unpaired_.insert(unpaired_.end(), unpaired_others.begin(), unpaired_others.end());
     if (!pairs_.empty()) return;
     double nearest = std::abs(others.front() - times_.front());
     for (const Time time : times_) {
@@ -168,7 +169,7 @@ class ImagePairs {
   std::vector<std::array<std::size_t, 2>> pairs_;  ///< indices of left and other image
   std::vector<Time> times_;                        ///< of the left images
   bool is_assumed_ = false;
-  std::size_t unpaired_ = 0;
+  std::vector<Time> unpaired_;
 };
 
 /// Times that the user states, else those that a calibration, `file` read from `path`, states.
@@ -223,7 +224,7 @@ class StereoImages : public Dataset {
   }
 
   [[nodiscard]] std::optional<RawStereoCamera> camera() const override { return camera_; }
-  [[nodiscard]] std::map<std::string, std::size_t> dropped() const override {
+  [[nodiscard]] std::map<std::string, std::vector<Time>> droppedTimes() const override {
     return pairs_->dropped();
   }
   [[nodiscard]] Warnings warnings() const override { return warningsOf(*pairs_); }
@@ -268,7 +269,7 @@ class DepthFolders : public Dataset {
     return leftAlone(camera_);
   }
   [[nodiscard]] std::optional<RawDepthCamera> depthCamera() const override { return camera_; }
-  [[nodiscard]] std::map<std::string, std::size_t> dropped() const override {
+  [[nodiscard]] std::map<std::string, std::vector<Time>> droppedTimes() const override {
     return pairs_->dropped();
   }
   [[nodiscard]] Warnings warnings() const override { return warningsOf(*pairs_); }

@@ -290,6 +290,16 @@ void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
   writer_->write(observation);
 }
 
+void RawlogSink::writeAcceleration(Time time, const Eigen::Vector3d& acceleration) {
+  mrpt::obs::CObservationIMU observation;
+  observation.timestamp = mrptTime(time);
+  observation.sensorLabel = "imu";
+  observation.set(mrpt::obs::IMU_X_ACC, acceleration.x());
+  observation.set(mrpt::obs::IMU_Y_ACC, acceleration.y());
+  observation.set(mrpt::obs::IMU_Z_ACC, acceleration.z());
+  writer_->write(observation);
+}
+
 void RawlogSink::writeTimesAssumed(Time time) {
   mrpt::obs::CObservationComment observation;
   observation.timestamp = mrptTime(time);

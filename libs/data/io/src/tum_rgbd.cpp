@@ -81,6 +81,7 @@ class TumRgbd : public Dataset {
     }
     const auto images = readList(folder, "rgb.txt");
     pairImages(images, readList(folder, "depth.txt"), folder.string());
+    readAccelerometer(folder / "accelerometer.txt");
     const auto truth = folder / "groundtruth.txt";
     if (!std::filesystem::exists(truth)) return;
     truth_ = readTum(truth.string());
@@ -102,21 +103,37 @@ class TumRgbd : public Dataset {
 
   std::optional<RawStereoCamera> camera() const override { return leftAlone(depth_camera_); }
   std::optional<RawDepthCamera> depthCamera() const override { return depth_camera_; }
-  std::map<std::string, std::size_t> dropped() const override { return dropped_; }
+  std::vector<DatasetInertial> inertial() const override { return inertial_; }
+  std::map<std::string, std::vector<Time>> droppedTimes() const override {
+    return {{"no_depth", without_depth_}};
+  }
 
  private:
   /// Each image with the nearest depth image that is not yet another's.
   void pairImages(const std::vector<ListedImage>& images, const std::vector<ListedImage>& depths,
                   const std::string& folder) {
-    for (const auto& [image, depth] :
-         pairedByTime(timesOf(images), timesOf(depths), kMaxDepthGapS)) {
-      pairs_.push_back({images[image], depths[depth]});
-    }
-    if (pairs_.size() < images.size()) dropped_["no_depth"] = images.size() - pairs_.size();
+    const auto pairs = pairedByTime(timesOf(images), timesOf(depths), kMaxDepthGapS);
+    for (const auto& [image, depth] : pairs) pairs_.push_back({images[image], depths[depth]});
+    without_depth_ = unpairedTimes(timesOf(images), pairs, 0);
     if (pairs_.empty()) {
       throw InputError(folder + ": no image of rgb.txt has a depth image within " +
                        formatted("%g", kMaxDepthGapS) + " s in depth.txt");
     }
+  }
+
+  /// The Kinect's axes are x left, y up, z forward, as gravity in the benchmark's sequences shows.
+  void readAccelerometer(const std::filesystem::path& path) {
+    if (!std::filesystem::exists(path)) return;
+    TextRows rows(path.string());
+    while (rows.next()) {
+      rows.requireSize(4, "a row of the accelerometer (time, acceleration)");
+      const Eigen::Vector3d optical(-rows.number(1), -rows.number(2), rows.number(3));
+      const Time time = rows.number(0);
+      if (!std::isfinite(time) || !optical.allFinite()) rows.fail("a value is not a number");
+      inertial_.push_back({time, std::nullopt, depth_camera_.T_robot_color.linear() * optical});
+    }
+    std::stable_sort(inertial_.begin(), inertial_.end(),
+                     [](const auto& a, const auto& b) { return a.time < b.time; });
   }
 
   struct DepthPair {
@@ -126,7 +143,8 @@ class TumRgbd : public Dataset {
   RawDepthCamera depth_camera_;
   std::vector<DepthPair> pairs_;
   std::vector<Stamped<Pose>> truth_;  ///< robot in the dataset's world
-  std::map<std::string, std::size_t> dropped_;
+  std::vector<DatasetInertial> inertial_;
+  std::vector<Time> without_depth_;  ///< of images
 };
 
 }  // namespace

@@ -29,9 +29,9 @@ struct DatasetFrame {
 
 /// One inertial sample in the robot frame.
 struct DatasetInertial {
-  Time time = 0.0;                                             ///< [s]
-  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();      ///< [m/s^2], including gravity
+  Time time = 0.0;                                         ///< [s]
+  std::optional<Eigen::Vector3d> angular_velocity;         ///< [rad/s]; nullopt: no gyroscope
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2], including gravity
 };
 
 /// A recording of a public dataset, read frame by frame.
@@ -49,8 +49,16 @@ class Dataset {
   [[nodiscard]] virtual std::vector<DatasetInertial> inertial() const { return {}; }
   /// In time order; empty if not recorded.
   [[nodiscard]] virtual std::vector<RecordedGnss> gnss() const { return {}; }
-  /// Number of items ignored when opening, by reason.
-  [[nodiscard]] virtual std::map<std::string, std::size_t> dropped() const { return {}; }
+  /// Times of images ignored when opening, by reason.
+  [[nodiscard]] virtual std::map<std::string, std::vector<Time>> droppedTimes() const { return {}; }
+  /// Number of items ignored when opening, by reason: those images, and others.
+  [[nodiscard]] virtual std::map<std::string, std::size_t> dropped() const {
+    std::map<std::string, std::size_t> counts;
+    for (const auto& [reason, times] : droppedTimes()) {
+      if (!times.empty()) counts[reason] = times.size();
+    }
+    return counts;
+  }
   /// What was assumed when opening: "times_assumed".
   [[nodiscard]] virtual Warnings warnings() const { return {}; }
 };
@@ -134,7 +142,8 @@ struct ImageTimes {
 /// Reads `FOLDER/{rgb.txt,depth.txt}` with the images they list, and the truth in
 /// `FOLDER/groundtruth.txt` if present. Each image gets the depth image nearest in time, at most
 /// 20 ms away; others are counted. The robot frame is at the camera; true poses remain in the
-/// dataset's world frame.
+/// dataset's world frame. The samples of `FOLDER/accelerometer.txt`, if present, are in the axes of
+/// the Kinect's accelerometer: x left, y up, z forward.
 ///
 /// @param calibration  of a depth camera; empty: the published one of the camera that the folder is
 ///                     named after (freiburg1, freiburg2, freiburg3), else f = 525 px

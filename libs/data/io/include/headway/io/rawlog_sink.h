@@ -16,7 +16,8 @@ class CObservation;
 
 namespace headway::io {
 
-/// Warning of recordings whose images had no times: its name, and the text of a comment in the rawlog.
+/// Warning of recordings whose images had no times: its name, and the text of a comment in the
+/// rawlog.
 inline constexpr char kTimesAssumed[] = "times_assumed";
 inline constexpr char kTimesAssumedText[] =
     "the images came without times: 10 a second are assumed, so that speeds are guessed; import "
@@ -87,6 +88,8 @@ class RawlogSink {
   /// Inertial sample in the robot frame.
   void writeImu(Time time, const Eigen::Vector3d& angular_velocity,  // [rad/s]
                 const Eigen::Vector3d& acceleration);                // [m/s^2], including gravity
+  /// The same of an accelerometer alone.
+  void writeAcceleration(Time time, const Eigen::Vector3d& acceleration);
   /// NMEA messages GGA (position) and RMC (speed and course).
   void writeGnss(const RecordedGnss& sample);
   /// Marks the times as assumed: readers warn of it.
