@@ -10,6 +10,8 @@
 #include <headway/plot/text_table.h>
 #include <headway/program/truth_report.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -28,6 +30,7 @@ struct TrajectoryOptions {
   std::string align = "se3";
   std::string segments = "100,200,300,400,500,600,700,800";
   double max_difference_s = program::kSameTime_s;
+  std::string truth_rotation;
   Outputs outputs;
 };
 
@@ -48,17 +51,37 @@ eval::Alignment alignmentFrom(const std::string& name) {
   throw program::UsageError("--align: '" + name + "' is none of se3, origin, scale, none");
 }
 
-std::vector<double> segmentLengthsFrom(const std::string& list) {
-  std::vector<double> lengths;
+/// @param what  of the numbers, for messages
+std::vector<double> numbersFrom(const std::string& list, const std::string& option,
+                                const std::string& what) {
+  std::vector<double> numbers;
   for (const std::string& word : program::split(list)) {
     char* end = nullptr;
-    const double length = std::strtod(word.c_str(), &end);
-    if (word.empty() || *end != '\0' || !(length > 0.0)) {
-      throw program::UsageError("--segments: '" + word + "' is not a length in metres");
+    const double number = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end != '\0' || !std::isfinite(number)) {
+      throw program::UsageError(option + ": '" + word + "' is not " + what);
     }
-    lengths.push_back(length);
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+std::vector<double> segmentLengthsFrom(const std::string& list) {
+  const auto lengths = numbersFrom(list, "--segments", "a length in metres");
+  if (std::any_of(lengths.begin(), lengths.end(), [](double length) { return length <= 0.0; })) {
+    throw program::UsageError("--segments: '" + list + "' contains what is not a length in metres");
   }
   return lengths;
+}
+
+std::optional<Eigen::Matrix3d> rotationFrom(const std::string& list) {
+  if (list.empty()) return std::nullopt;
+  const auto angles = numbersFrom(list, "--truth-rotation", "an angle in degrees");
+  if (angles.size() != 3) throw program::UsageError("--truth-rotation: give YAW,PITCH,ROLL");
+  return (Eigen::AngleAxisd(angles[0] * kDegree, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(angles[1] * kDegree, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(angles[2] * kDegree, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
 }
 
 std::vector<Stamped<Pose>> readTimedTruth(const std::string& path) {
@@ -105,6 +128,10 @@ bool parseTrajectory(TrajectoryOptions& options, int argc, const char** argv) {
               "Lengths of the KITTI path segments [m]; default 100,200,...,800");
   line.option(options.max_difference_s, 0, "max-difference", "S",
               "Maximum time difference of paired poses [s]; default 0.02");
+  line.option(
+      options.truth_rotation, 0, "truth-rotation", "YAW,PITCH,ROLL",
+      "Axes of the truth's body on the robot [deg], -90,0,-90 for a camera's optical frame; "
+      "default: found by the motion, else those of the robot");
   return options.outputs.parse(line, argc, argv, {&options.truth, &options.estimate});
 }
 
@@ -112,6 +139,8 @@ eval::TrajectoryError compare(const TrajectoryOptions& options, PoseFormat forma
   eval::TrajectoryErrorParams params;
   params.alignment = alignmentFrom(options.align);
   params.segment_lengths_m = segmentLengthsFrom(options.segments);
+  params.R_robot_truth = rotationFrom(options.truth_rotation);
+  params.finds_rotation = true;
   const auto pairs = readPairs(options, format);
   return eval::trajectoryError(pairs, params);
 }
@@ -123,6 +152,12 @@ int runTrajectory(int argc, const char** argv) {
   if (!parseTrajectory(options, argc, argv)) return program::kDone;
   const PoseFormat format = formatFrom(options);
   const auto error = compare(options, format);
+  if (error.body.source == eval::BodyRotation::Source::kUnknown) {
+    std::cerr << "headway-eval: warning: the truth's body has other axes than the robot, and the "
+                 "motion does not determine them, so that relative errors are too large; state "
+                 "--truth-rotation YAW,PITCH,ROLL"
+              << std::endl;
+  }
   if (!options.outputs.quiet()) plot::writeTable(std::cout, eval::tableOf(error));
   const auto plot = [&] {
     const auto view = format == PoseFormat::kKitti ? eval::TopView::kXz : eval::TopView::kXy;

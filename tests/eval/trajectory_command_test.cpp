@@ -62,6 +62,29 @@ TEST_F(TrajectoryCommandTest, WritesTableJsonAndPicture) {
   EXPECT_NEAR(0.5, nlohmann::json::parse(contentOf(json)).at("ate_rmse_m").get<double>(), 1e-6);
 }
 
+TEST_F(TrajectoryCommandTest, TheTruthsBodyMayHaveOtherAxes) {
+  // A straight drive along x; the truth is that of the camera's optical frame.
+  std::ostringstream truth, estimate;
+  for (int i = 0; i < 20; ++i) {
+    truth << 100 + i << " " << i << " 0 0 -0.5 0.5 -0.5 0.5\n";
+    estimate << 100 + i << " " << i << " 0 0 0 0 0 1\n";
+  }
+  const auto optical = file("truth.tum", truth.str()), robot = file("estimate.tum", estimate.str());
+  const auto asked = run(optical, robot);
+  EXPECT_EQ(0, asked.status);
+  EXPECT_THAT(asked.error, HasSubstr("state --truth-rotation YAW,PITCH,ROLL"));
+  const std::string json = folder_ / "e.json";
+  const auto stated = run(optical, robot, "--truth-rotation=-90,0,-90 --json " + json);
+  EXPECT_EQ("", stated.error);
+  EXPECT_THAT(stated.out, HasSubstr("-90.0,0.0,-90.0"));
+  const auto figures = nlohmann::json::parse(contentOf(json));
+  EXPECT_LT(figures.at("rpe_trans_rmse_m").get<double>(), 1e-6);
+  EXPECT_EQ("stated", figures.at("truth_rotation"));
+  for (const char* wrong : {"90,0", "a,0,0", "1,2,3,4"}) {
+    EXPECT_EQ(2, run(optical, robot, std::string("--truth-rotation ") + wrong).status) << wrong;
+  }
+}
+
 TEST_F(TrajectoryCommandTest, KittiPosesPairRowByRow) {
   const auto result =
       run(file("truth.txt", kittiFile(30, 1.0)), file("estimate.txt", kittiFile(25, 1.0)));

@@ -64,6 +64,62 @@ TEST(TrajectoryErrorTest, OriginMakesTheFirstPosesEqualAndFitsNothingElse) {
   EXPECT_NO_THROW((void)compare({truth[0], truth[1]}, {truth[0], truth[1]}, Alignment::kOrigin));
 }
 
+/// The estimate with noise, and the truth of a body that is turned on the robot.
+TrajectoryError compareTurned(std::vector<Pose> truth, const Eigen::Matrix3d& R_robot_truth,
+                              double noise_m, TrajectoryErrorParams params = {}) {
+  params.finds_rotation = true;
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  auto estimate = truth;
+  for (auto& pose : truth) pose.linear() *= R_robot_truth;
+  for (auto& pose : estimate) {
+    pose.translation() += noise_m * Eigen::Vector3d(noise(random), noise(random), noise(random));
+    pose.linear() *= expSo3(0.002 * Eigen::Vector3d(noise(random), noise(random), noise(random)));
+    pose = somePose() * pose;
+  }
+  return trajectoryError(pairByIndex(truth, estimate), params);
+}
+
+TEST(TrajectoryErrorTest, TheAxesOfTheTruthsBodyAreFoundByTheMotion) {
+  using Source = BodyRotation::Source;
+  const Eigen::Matrix3d optical = robotFromOptical().linear();
+  const auto same = compareTurned(winding(300, 0.1), Eigen::Matrix3d::Identity(), 0.002);
+  EXPECT_EQ(Source::kAssumed, same.body.source) << "not significant";
+  // In the hand, on a plane, and in a curve alone.
+  auto turning = winding(300, 0.001);
+  std::vector<Pose> planar;
+  Pose pose = Pose::Identity(), step = Pose::Identity();
+  step.translation().x() = 0.1;
+  step.linear() = expSo3({0.0, 0.0, 0.02});
+  for (int i = 0; i < 300; ++i, pose = pose * step) planar.push_back(pose);
+  for (const auto& truth : {winding(300, 0.1), turning, planar}) {
+    const double exact = compareTurned(truth, Eigen::Matrix3d::Identity(), 0.002).rpe_trans_rmse_m;
+    const auto found = compareTurned(truth, optical, 0.002);
+    EXPECT_EQ(Source::kFound, found.body.source);
+    EXPECT_LT(found.body.sigma_rad, kDegree);
+    EXPECT_LT(logSo3(found.body.R_robot_truth.transpose() * optical).norm(),
+              4.0 * found.body.sigma_rad);
+    EXPECT_NEAR(exact, found.rpe_trans_rmse_m, 0.1 * exact);
+    EXPECT_LT(found.rpe_rot_rmse_deg, 0.4);
+  }
+}
+
+TEST(TrajectoryErrorTest, AxesThatTheMotionDoesNotTellAreAskedForAndCanBeStated) {
+  const Eigen::Matrix3d optical = robotFromOptical().linear();
+  const auto unknown = compareTurned(straight(100, 0.5), optical, 0.0);
+  EXPECT_EQ(BodyRotation::Source::kUnknown, unknown.body.source);
+  EXPECT_GT(unknown.rpe_trans_rmse_m, 0.3);
+  EXPECT_THAT(toJson(unknown).at("truth_rotation"), "unknown");
+  TrajectoryErrorParams params;
+  params.R_robot_truth = optical;
+  const auto stated = compareTurned(straight(100, 0.5), optical, 0.0, params);
+  EXPECT_EQ(BodyRotation::Source::kStated, stated.body.source);
+  EXPECT_LT(stated.rpe_trans_rmse_m, 0.003);
+  EXPECT_NEAR(-90.0, toJson(stated).at("truth_rotation_deg").at(0).get<double>(), 1e-6);
+  EXPECT_EQ(BodyRotation::Source::kAssumed,
+            compareTurned(straight(100, 0.5), Eigen::Matrix3d::Identity(), 0.01).body.source);
+}
+
 TEST(TrajectoryErrorTest, AlignsARigidMotion) {
   const auto truth = winding(200);
   auto estimate = truth;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Errors as JSON and as tables.
+#include <headway/core/text.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/moving_object_error.h>
 #include <headway/eval/prediction_error.h>
@@ -7,6 +8,7 @@
 #include <headway/eval/trajectory_error.h>
 
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -121,6 +123,42 @@ Json toJson(const PredictionErrors& errors) { return jsonByClass(errors); }
 
 Json toJson(const TrackErrors& errors) { return jsonByClass(errors); }
 
+namespace {
+
+/// Yaw, pitch, roll [deg], as MRPT states poses.
+Eigen::Vector3d anglesOf(const Eigen::Matrix3d& R) {
+  return Eigen::Vector3d(std::atan2(R(1, 0), R(0, 0)),
+                         std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0))),
+                         std::atan2(R(2, 1), R(2, 2))) /
+         kDegree;
+}
+
+const char* toString(BodyRotation::Source source) {
+  switch (source) {
+    case BodyRotation::Source::kAssumed:
+      return "assumed";
+    case BodyRotation::Source::kStated:
+      return "stated";
+    case BodyRotation::Source::kFound:
+      return "found";
+    case BodyRotation::Source::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+std::string textOf(const BodyRotation& body) {
+  if (body.source == BodyRotation::Source::kUnknown) return "unknown";
+  const Eigen::Vector3d angles = anglesOf(body.R_robot_truth);
+  std::string text = formatted("%.1f,%.1f,%.1f", angles[0], angles[1], angles[2]);
+  if (body.source == BodyRotation::Source::kFound) {
+    text += formatted(" +- %.1f (found)", body.sigma_rad / kDegree);
+  }
+  return text;
+}
+
+}  // namespace
+
 Json toJson(const TrajectoryError& error) {
   Json json;
   json["frames"] = error.frames;
@@ -139,6 +177,9 @@ Json toJson(const TrajectoryError& error) {
   json["kitti_segments"] = error.kitti ? error.kitti->segments : 0;
   json["truth_poses"] = error.truth_poses;
   json["scale"] = error.scale;
+  const Eigen::Vector3d angles = anglesOf(error.body.R_robot_truth);
+  json["truth_rotation"] = toString(error.body.source);
+  json["truth_rotation_deg"] = {angles[0], angles[1], angles[2]};
   return json;
 }
 
@@ -161,6 +202,9 @@ TextTable tableOf(const TrajectoryError& error) {
   table.push_back({"KITTI translation", kitti ? fixedText(kitti->trans_percent, 3) : "—", "%"});
   table.push_back({"KITTI rotation", kitti ? fixedText(kitti->rot_deg_per_m, 5) : "—", "deg/m"});
   if (error.scale != 1.0) table.push_back({"scale", fixedText(error.scale, 5), ""});
+  if (error.body.source != BodyRotation::Source::kAssumed) {
+    table.push_back({"truth's body on the robot: yaw,pitch,roll", textOf(error.body), "deg"});
+  }
   return table;
 }
 

@@ -3,8 +3,11 @@
 #include <headway/core/error.h>
 #include <headway/eval/trajectory_error.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -174,6 +177,116 @@ std::vector<PosePair> alignedPairs(std::vector<PosePair> pairs, const Similarity
   return pairs;
 }
 
+constexpr double kPieceTurn_rad = 0.2;            // far above the errors of an estimate's turns
+constexpr double kTurnSigma_rad = 0.1 * kDegree;  // least error of such a turn
+constexpr double kPositionSigma_m = 1e-3;         // least error of a position
+constexpr double kDetermined_rad = kDegree;  // an error of 2 % of the length of relative motions
+constexpr double kSignificance = 3.0;        // standard deviations
+constexpr double kContradiction = 0.5;       // of the motions' lengths: axes 30 degrees apart
+constexpr double kPiecesOfPath = 50.0;       // whose directions are compared
+
+/// The rotation with the greatest trace of its product with a sum of products: Kabsch 1976.
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& products) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
+}
+
+/// Information on a rotation by vectors that it turns; the error is that of its worst axis.
+double worstSigma(const Eigen::Matrix3d& information, double sigma) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(information, Eigen::EigenvaluesOnly);
+  return sigma / std::sqrt(std::max(axes.eigenvalues()[0], 0.0));
+}
+
+Eigen::Matrix3d informationOf(const Eigen::Vector3d& v) {
+  return v.squaredNorm() * Eigen::Matrix3d::Identity() - v * v.transpose();
+}
+
+/// By the rotations over pieces of the path (Park & Martin 1994, AX = XB for rotations).
+BodyRotation rotationByTurns(const std::vector<PosePair>& pairs) {
+  std::vector<std::array<Eigen::Vector3d, 2>> turns;  // of truth and estimate
+  std::size_t from = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const auto turn = [&](const Pose& a, const Pose& b) {
+      return logSo3(a.linear().transpose() * b.linear());
+    };
+    const Eigen::Vector3d by_truth = turn(pairs[from].truth, pairs[i].truth);
+    if (by_truth.norm() < kPieceTurn_rad) continue;
+    turns.push_back({by_truth, turn(pairs[from].estimate, pairs[i].estimate)});
+    from = i;
+  }
+  BodyRotation result{BodyRotation::Source::kFound, Eigen::Matrix3d::Identity(), M_PI};
+  if (turns.size() < 2) return result;
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero(), information = Eigen::Matrix3d::Zero();
+  for (const auto& [truth, estimate] : turns) products += estimate * truth.transpose();
+  result.R_robot_truth = nearestRotation(products);
+  double squares = 0.0;
+  for (const auto& [truth, estimate] : turns) {
+    squares += (estimate - result.R_robot_truth * truth).squaredNorm();
+    information += informationOf(truth);
+  }
+  const double degrees_of_freedom = 3.0 * static_cast<double>(turns.size()) - 3.0;
+  result.sigma_rad =
+      worstSigma(information, std::max(kTurnSigma_rad, std::sqrt(squares / degrees_of_freedom)));
+  return result;
+}
+
+/// By the attitudes, once the paths are aligned; errors of the paths do not average out.
+BodyRotation rotationByPath(const std::vector<PosePair>& aligned) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const auto count = static_cast<double>(aligned.size());
+  for (const auto& pair : aligned) centre += pair.truth.translation() / count;
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero(), information = Eigen::Matrix3d::Zero();
+  double squares = 0.0;
+  for (const auto& [time, truth, estimate] : aligned) {
+    products += estimate.linear().transpose() * truth.linear();
+    information += informationOf(truth.translation() - centre) / count;
+    squares += (truth.translation() - estimate.translation()).squaredNorm() / count;
+  }
+  const Eigen::Matrix3d R_robot_truth = nearestRotation(products);
+  double attitudes = 0.0;
+  for (const auto& [time, truth, estimate] : aligned) {
+    attitudes +=
+        logSo3(truth.linear().transpose() * estimate.linear() * R_robot_truth).squaredNorm() /
+        count;
+  }
+  const double by_places = worstSigma(information, std::max(kPositionSigma_m, std::sqrt(squares)));
+  return {BodyRotation::Source::kFound, R_robot_truth, std::hypot(by_places, std::sqrt(attitudes))};
+}
+
+/// Whether truth and estimate move in different directions by their own axes.
+bool areAxesContrary(const std::vector<PosePair>& pairs) {
+  const double piece = trueDistances(pairs).back() / kPiecesOfPath;
+  double moved = 0.0, difference = 0.0;
+  std::size_t from = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const Pose truth = pairs[from].truth.inverse() * pairs[i].truth;
+    if (truth.translation().norm() < piece) continue;
+    const Pose estimate = pairs[from].estimate.inverse() * pairs[i].estimate;
+    moved += truth.translation().norm();
+    difference += (truth.translation() - estimate.translation()).norm();
+    from = i;
+  }
+  return difference > kContradiction * moved;
+}
+
+BodyRotation bodyRotation(const std::vector<PosePair>& pairs, const TrajectoryErrorParams& params) {
+  if (params.R_robot_truth) return {BodyRotation::Source::kStated, *params.R_robot_truth, 0.0};
+  if (!params.finds_rotation) return {};
+  BodyRotation best = rotationByTurns(pairs);
+  if (params.alignment == Alignment::kSe3 || params.alignment == Alignment::kScale) {
+    const auto by_path = rotationByPath(alignedPairs(pairs, alignmentOf(pairs, params.alignment)));
+    if (by_path.sigma_rad < best.sigma_rad) best = by_path;
+  }
+  const double angle = logSo3(best.R_robot_truth).norm();
+  if (best.sigma_rad <= kDetermined_rad) {
+    const bool is_same = angle <= std::max(kSignificance * best.sigma_rad, kDetermined_rad);
+    return is_same ? BodyRotation() : best;
+  }
+  if (!areAxesContrary(pairs)) return {};
+  return {BodyRotation::Source::kUnknown, Eigen::Matrix3d::Identity(), 0.0};
+}
+
 void requireEnough(const PosePairs& pairs, Alignment alignment) {
   const bool is_fitted = alignment == Alignment::kSe3 || alignment == Alignment::kScale;
   const std::size_t needed = is_fitted ? 3 : 2;
@@ -242,10 +355,13 @@ TrajectoryError trajectoryError(const PosePairs& pairs, const TrajectoryErrorPar
   result.truth_poses = pairs.truth_poses;
   result.path_m = trueDistances(pairs.pairs).back();
   if (result.path_m > 0.0) result.path_ratio = estimatedLength(pairs.pairs) / result.path_m;
-  const auto similarity = alignmentOf(pairs.pairs, params.alignment);
+  result.body = bodyRotation(pairs.pairs, params);
+  auto with_body = pairs.pairs;
+  for (auto& pair : with_body) pair.estimate.linear() *= result.body.R_robot_truth;
+  const auto similarity = alignmentOf(with_body, params.alignment);
   result.scale = similarity.scale;
   result.T_truth_estimate = similarity.T_truth_estimate;
-  result.aligned = alignedPairs(pairs.pairs, similarity);
+  result.aligned = alignedPairs(std::move(with_body), similarity);
   for (const auto& pair : result.aligned) {
     result.errors_m.push_back((pair.truth.translation() - pair.estimate.translation()).norm());
   }

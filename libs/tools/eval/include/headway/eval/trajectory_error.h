@@ -51,9 +51,24 @@ enum class Alignment {
   kNone,    ///< none
 };
 
+/// The fixed rotation of the truth's body on the robot, of which relative errors must be free.
+struct BodyRotation {
+  enum class Source {
+    kAssumed,  ///< none
+    kStated,
+    kFound,    ///< by the motion, and significant
+    kUnknown,  ///< the axes differ, and the motion does not determine how
+  };
+  Source source = Source::kAssumed;
+  Eigen::Matrix3d R_robot_truth = Eigen::Matrix3d::Identity();
+  double sigma_rad = 0.0;  ///< if it was found: of the axis that is known worst
+};
+
 /// How a trajectory is compared with the true one.
 struct TrajectoryErrorParams {
   Alignment alignment = Alignment::kSe3;
+  std::optional<Eigen::Matrix3d> R_robot_truth;  ///< the truth's body on the robot, if stated
+  bool finds_rotation = false;                   ///< by the motion, if it is not stated
   /// Lengths of the path segments of KITTI's relative errors [m].
   std::vector<double> segment_lengths_m = {100, 200, 300, 400, 500, 600, 700, 800};
   std::size_t segment_step = 10;  ///< frames between the starts of segments
@@ -90,6 +105,7 @@ struct TrajectoryError {
 
   Pose T_truth_estimate = Pose::Identity();  ///< alignment applied
   double scale = 1.0;                        ///< factor of the estimated positions, applied first
+  BodyRotation body;                         ///< applied to the estimates' axes
   std::vector<PosePair> aligned;             ///< pairs with aligned estimates
   std::vector<double> errors_m;              ///< position error of each pair [m]
 };
@@ -97,8 +113,9 @@ struct TrajectoryError {
 /// Compares an estimated trajectory with the truth.
 ///
 /// The absolute error uses positions only, so a constant rotation between the body frames of truth
-/// and estimate has no effect on it; the relative errors require the same body frame. With kScale
-/// the relative errors are those of the scaled estimate.
+/// and estimate has no effect on it; the relative errors require the same body frame. That rotation
+/// is found where rotations about several axes, or a path that is not straight, determine it to a
+/// degree. With kScale the relative errors are those of the scaled estimate.
 ///
 ///     const auto error = trajectoryError(pairByTime(truth, estimate, 0.02), {});
 ///     std::cout << error.ate_m.rmse;
@@ -107,7 +124,8 @@ struct TrajectoryError {
 ///         or kScale is given and the estimate does not move
 /// @see Umeyama 1991, "Least-squares estimation of transformation parameters between two point
 ///      patterns"; Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems",
-///      eqs. 1-5 (relative pose error over one frame, absolute trajectory error); Geiger et al.
+///      eqs. 1-5 (relative pose error over one frame, absolute trajectory error); Park & Martin
+///      1994, "Robot sensor calibration: solving AX = XB on the Euclidean group"; Geiger et al.
 ///      2012, "Are we ready for autonomous driving? The KITTI vision benchmark suite", eqs. 2-3
 ///      (errors over path segments of 100, 200 ... 800 m)
 [[nodiscard]] TrajectoryError trajectoryError(const PosePairs& pairs,
