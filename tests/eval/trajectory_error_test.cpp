@@ -116,8 +116,15 @@ TEST(TrajectoryErrorTest, AxesThatTheMotionDoesNotTellAreAskedForAndCanBeStated)
   EXPECT_EQ(BodyRotation::Source::kStated, stated.body.source);
   EXPECT_LT(stated.rpe_trans_rmse_m, 0.003);
   EXPECT_NEAR(-90.0, toJson(stated).at("truth_rotation_deg").at(0).get<double>(), 1e-6);
-  EXPECT_EQ(BodyRotation::Source::kAssumed,
-            compareTurned(straight(100, 0.5), Eigen::Matrix3d::Identity(), 0.01).body.source);
+  for (const auto& [step_m, noise_m] : {std::pair(0.5, 0.01), std::pair(0.002, 0.02)}) {
+    const auto same = compareTurned(straight(100, step_m), Eigen::Matrix3d::Identity(), noise_m);
+    EXPECT_EQ(BodyRotation::Source::kAssumed, same.body.source) << "or below the noise";
+  }
+  std::vector<Pose> panning(100, Pose::Identity());
+  for (int i = 0; i < 100; ++i) {
+    panning[static_cast<std::size_t>(i)].linear() = expSo3({0.0, 0.0, 0.03 * i});
+  }
+  EXPECT_EQ(BodyRotation::Source::kUnknown, compareTurned(panning, optical, 0.01).body.source);
 }
 
 TEST(TrajectoryErrorTest, AlignsARigidMotion) {

@@ -90,7 +90,7 @@ TEST_F(PerceptionEventsTest, SurfacesWithoutTextureAreRecognised) {
 std::string reasonOf(const std::function<void(cv::Mat&)>& change) {
   const PaintedStreet street(kBoxes);
   CameraCheck check;
-  for (int i = 0; i < 10; ++i) check.addTracked(street.frame(i), FrameRate());
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(check.addTracked(street.frame(i), 200));
   StereoFrame frame = street.frame(10);
   change(frame.left);
   return check.lossOf(frame).name;
@@ -101,6 +101,42 @@ TEST(LostReasonTest, BlurIsRecognisedByMotionOrFocus) {
             reasonOf([](cv::Mat& image) { cv::blur(image, image, cv::Size(9, 9)); }));
   EXPECT_EQ("lost_blurred",
             reasonOf([](cv::Mat& image) { cv::blur(image, image, cv::Size(25, 3)); }));
+}
+
+/// A wall of squares, blurred by a motion along rows and with the noise of a Kinect.
+cv::Mat wallOfSquares(int blur_px, int seed) {
+  cv::Mat image(480, 640, CV_8U), noise(480, 640, CV_16S);
+  cv::RNG squares(3), random(static_cast<std::uint64_t>(seed));
+  for (int v = 0; v < 480; v += 24) {
+    for (int u = 0; u < 640; u += 24)
+      image(cv::Rect(u, v, 24, 24) & cv::Rect(0, 0, 640, 480)) = squares.uniform(60, 200);
+  }
+  cv::GaussianBlur(image, image, {}, 0.7);
+  if (blur_px > 0) cv::blur(image, image, {blur_px, 1});
+  random.fill(noise, cv::RNG::NORMAL, 0, 3);
+  cv::add(image, noise, image, cv::noArray(), CV_8U);
+  return image;
+}
+
+TEST(LostReasonTest, BlurWithTheNoiseOfACameraIsNoBareWall) {
+  CameraCheck check;
+  StereoFrame frame;
+  for (int i = 0; i < 30; ++i) {
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = i / 30.0;
+    frame.left = wallOfSquares(i < 10 ? 0 : 9, i);
+    const auto finding = check.addTracked(frame, i == 20 ? 60 : 200);
+    ASSERT_EQ(i == 20, finding.has_value()) << i;
+    if (finding) {
+      EXPECT_EQ("blurred", finding->name);
+      EXPECT_THAT(finding->text, HasSubstr("60 landmarks are tracked where 200 are usual"));
+    }
+  }
+  frame.left = wallOfSquares(15, 30);
+  EXPECT_EQ("lost_blurred", check.lossOf(frame).name);
+  EXPECT_THAT(check.lossOf(frame).text, HasSubstr("times as wide as usual"));
+  frame.left = wallOfSquares(0, 31);
+  EXPECT_EQ("lost_moved_too_fast", check.lossOf(frame).name);
 }
 
 TEST(LostReasonTest, AUsableImageShowsAnotherView) {

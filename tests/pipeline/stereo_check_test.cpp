@@ -64,6 +64,41 @@ TEST(StereoCheckTest, AGoodPairGivesNoWarning) {
   EXPECT_TRUE(findingsOf(pairOf(0.5)).empty()) << "within the error of a calibration";
 }
 
+TEST(StereoCheckTest, ASceneNearerThanWhatIsMatchedIsSaid) {
+  auto camera = std::make_shared<StereoCamera>();
+  camera->width = 640;
+  camera->height = 400;
+  camera->fx = camera->fy = 500.0;
+  camera->cx = 319.5;
+  camera->cy = 199.5;
+  camera->baseline_m = 0.2;
+  const auto findingsAt = [&](int disparity, double nearest_m) {
+    const cv::Mat image = texture();
+    stereo::DisparityParams matching;
+    matching.nearest_m = nearest_m;
+    StereoCheck check(matching);
+    Findings all;
+    for (int i = 0; i < 10; ++i) {
+      StereoFrame frame;
+      frame.index = static_cast<std::size_t>(i);
+      frame.time = 0.5 * i;
+      frame.camera = camera;
+      frame.left = image(cv::Rect(0, 40, 640, 400)).clone();
+      frame.right = image(cv::Rect(disparity, 40, 640, 400)).clone();
+      for (Finding& finding : check.add(frame)) all.push_back(std::move(finding));
+    }
+    return all;
+  };
+  const double nearest_m = 1.0;  // 100 px
+  EXPECT_TRUE(findingsAt(60, nearest_m).empty());
+  const Findings near = findingsAt(150, nearest_m);
+  ASSERT_FALSE(near.empty());
+  EXPECT_EQ("too_near", near[0].name);
+  EXPECT_EQ(4u, near[0].frame) << "after 2 s";
+  EXPECT_NE(std::string::npos, near[0].text.find("set disparity.nearest_m to 0.6")) << near[0].text;
+  EXPECT_TRUE(findingsAt(150, 0.6).empty()) << "as the text says";
+}
+
 TEST(StereoCheckTest, ACameraMovedInItsMountingIsNamedWithinASecond) {
   for (const double rows_px : {3.0, -4.0}) {
     expectPersistent(findingsOf(pairOf(rows_px)), "vertical_offset");

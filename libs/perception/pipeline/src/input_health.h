@@ -8,8 +8,11 @@
 #include <headway/pipeline/perception_update.h>
 #include <headway/stereo/frame_context.h>
 
+#include <array>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "frame_state.h"
 #include "stereo_check.h"
@@ -23,6 +26,8 @@ namespace headway::pipeline {
 /// distance are compared, so that the cost is negligible.
 class CameraCheck {
  public:
+  CameraCheck();
+
   /// Takes the images of each frame.
   ///
   /// @return "camera_dark" or "camera_bright" if an image contains no structure and hardly any
@@ -32,8 +37,12 @@ class CameraCheck {
   /// Whether the newest images came before.
   [[nodiscard]] bool isFrozen() const { return is_frozen_; }
 
-  /// Measures the image of a tracked frame, once a second.
-  void addTracked(const StereoFrame& frame, const FrameRate& rate);
+  /// Measures the image of a tracked frame.
+  ///
+  /// @param landmarks  that were tracked in it
+  /// @return  "blurred" if its edges are wider than usual and less than half of the usual landmarks
+  ///          are tracked
+  [[nodiscard]] std::optional<Finding> addTracked(const StereoFrame& frame, int landmarks);
   /// Why the camera is lost, by its image and those of tracked frames: "lost_too_dark",
   /// "lost_covered" (even grey: a lens cover, a wall, fog), "lost_blurred" (by motion or focus),
   /// "lost_few_features" (a sharp image of surfaces without texture) or "lost_moved_too_fast" (a
@@ -44,8 +53,13 @@ class CameraCheck {
   cv::Mat left_;  ///< of the frame before; empty in the first
   cv::Mat right_;
   bool is_frozen_ = false;
-  std::optional<double> sharpness_;  ///< usual one of tracked frames
+  /// Says how blurred an image with edges of these widths is, along rows and columns [px]; empty if
+  /// it is not.
+  [[nodiscard]] std::string blurOf(const std::array<double, 2>& widths) const;
+
+  std::array<double, 2> sharpest_;   ///< widths of edges in tracked frames, recently [px]
   std::optional<Time> measured_;     ///< time of the last measurement
+  std::optional<double> landmarks_;  ///< usual ones of sharp frames
 };
 
 /// Recognises a wrong pose of the camera on the robot from the first images.
@@ -122,6 +136,8 @@ class FloorCheck {
                                            const std::optional<Pose>& T_odom_cam);
   /// nullopt before a floor was seen.
   [[nodiscard]] const std::optional<Mounting>& mounting() const { return mounting_; }
+  /// The same with its errors, in words.
+  [[nodiscard]] std::optional<std::string> text() const;
 
  private:
   struct Sample {
@@ -200,7 +216,9 @@ class InputHealth {
  public:
   /// @param camera         null without images
   /// @param max_speed_mps  of the robot [m/s]
-  InputHealth(std::shared_ptr<const StereoCamera> camera, double max_speed_mps);
+  /// @param matching       of obstacles and ground
+  InputHealth(std::shared_ptr<const StereoCamera> camera, double max_speed_mps,
+              const stereo::DisparityParams& matching = {});
 
   /// A map is loaded in which the right camera is turned like this: until it is recognised, the
   /// camera is lost.
@@ -219,6 +237,10 @@ class InputHealth {
   [[nodiscard]] bool isTrusted() const { return is_trusted_; }
   /// All findings that were not fatal.
   [[nodiscard]] const Warnings& warnings() const { return warnings_; }
+  /// The camera's mounting by the floor; nullopt before one was seen.
+  [[nodiscard]] std::optional<std::string> mounting() const {
+    return floor_check_ ? floor_check_->text() : std::nullopt;
+  }
   /// The right camera's rotation by the images so far; nullopt with too few matches.
   [[nodiscard]] std::optional<stereo::RectificationError> rectification() const {
     return stereo_check_.rectification();

@@ -389,7 +389,7 @@ class Perception::Implementation {
 Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
                                            const PerceptionParams& params, map::PerceptionMap map)
     : camera(std::move(rig)),
-      health(camera, validated(params).slam.max_speed_mps),
+      health(camera, validated(params).slam.max_speed_mps, params.detection.detect.disparity),
       localisation(camera, params),
       detection(camera, params.detection),
       tracker(params.objects),
@@ -451,6 +451,10 @@ void Perception::change(const RuntimeParams& params) {
 }
 
 const Warnings& Perception::warnings() const { return implementation_->health.warnings(); }
+
+std::optional<std::string> Perception::mounting() const {
+  return implementation_->health.mounting();
+}
 
 std::optional<std::string> Perception::rectification() const {
   const auto error = implementation_->health.rectification();

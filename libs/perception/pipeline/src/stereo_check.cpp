@@ -51,6 +51,17 @@ struct PairLimits {
   double min_agreement = 0.7;    ///< ratio of points that agree on an offset
 };
 
+/// When a scene is too near to be matched.
+struct RangeLimits {
+  double interval_s = 0.5;  ///< of comparisons
+  double seconds = 2.0;     ///< in which the scene is too near: longer than somebody passes by
+  double ratio = 0.1;       ///< of the image
+  int width = 160;          ///< to which images are reduced about [px]: 1 ms
+  double nearest_m = 1e-3;  ///< searched as far as images of that width can be matched
+  int uniqueness_percent = 15;
+};
+constexpr RangeLimits kRange;
+
 constexpr CornerSearch kSearch;
 constexpr PairLimits kLimits;
 constexpr stereo::PointTrackingOptions kRefinement{11, 0, 18.0, 0.0};
@@ -253,17 +264,47 @@ void StereoCheck::addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset,
   if (error) turn_ = stereo::correctionFor(*error, turn_, camera, margin_sigmas_);
 }
 
+/// Matches the pair coarsely over half of its width.
+std::optional<Finding> StereoCheck::compareRange(const StereoFrame& frame) {
+  if (frame.camera == nullptr) return std::nullopt;
+  const auto& camera = *frame.camera;
+  if (last_range_ && std::abs(frame.time - *last_range_) < kRange.interval_s) return std::nullopt;
+  last_range_ = frame.time;
+  stereo::DisparityParams coarse;
+  coarse.reduce = std::max(1, frame.left.cols / kRange.width);
+  coarse.nearest_m = kRange.nearest_m;
+  coarse.uniqueness_percent = kRange.uniqueness_percent;
+  const cv::Mat disparities = stereo::denseDisparity(frame, coarse).values;
+  const double nearest_m = stereo::nearestMatched(camera, matching_);
+  const double limit = camera.fx * camera.baseline_m / nearest_m + coarse.reduce;
+  std::vector<double> near;
+  for (auto d = disparities.begin<float>(); d != disparities.end<float>(); ++d) {
+    if (static_cast<double>(*d) > limit) near.push_back(static_cast<double>(*d));
+  }
+  const double ratio =
+      static_cast<double>(near.size()) / std::max(1.0, static_cast<double>(disparities.total()));
+  near_ = ratio > kRange.ratio ? near_ + 1 : 0;
+  if (near_ * kRange.interval_s <= kRange.seconds) return std::nullopt;
+  return Finding{
+      "too_near", frame.index,
+      formatted("%.0f %% of the image is nearer than %.2f m, the least depth that is matched, and "
+                "therefore neither obstacle nor ground nor object: set disparity.nearest_m to %.2g",
+                100.0 * ratio, nearest_m,
+                0.9 * camera.fx * camera.baseline_m / percentile(near, 0.9))};
+}
+
 Findings StereoCheck::add(const StereoFrame& frame) {
   if (frame.right.empty()) return {};  // of a depth camera
   if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera, known_);
+  Findings findings;
+  if (auto near = compareRange(frame)) findings.push_back(std::move(*near));
   const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
   const bool is_first = estimator_ && estimated_ < kFirstFrames;
-  if (!is_due && !is_first) return {};
+  if (!is_due && !is_first) return findings;
   auto matches =
       matchesOf(frame, is_first ? kSearch.many_corners : kSearch.corners, kSearch.turn_rad);
   if (matches.size() < kLimits.min_matches)
     matches = matchesOf(frame, kSearch.many_corners, kSearch.wide_turn_rad);
-  Findings findings;
   if (estimator_ && matches.size() >= kLimits.min_matches) {
     if (auto fatal = estimate(matches, frame)) findings.push_back(std::move(*fatal));
   }

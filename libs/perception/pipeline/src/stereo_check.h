@@ -4,6 +4,7 @@
 
 #include <headway/core/stereo_frame.h>
 #include <headway/pipeline/perception_update.h>
+#include <headway/stereo/disparity.h>
 #include <headway/stereo/rectification.h>
 
 #include <Eigen/Core>
@@ -19,14 +20,18 @@ namespace headway::pipeline {
 /// the first frame on, and is to be undone where it is significant: turn().
 class StereoCheck {
  public:
+  /// @param matching  as of obstacles and ground
+  explicit StereoCheck(const stereo::DisparityParams& matching = {}) : matching_(matching) {}
+
   /// Takes the images of each frame.
   ///
   /// @return "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ
   /// by
   ///         place, as in images of a moving camera that were not taken at the same time, and
   ///         "images_swapped" if most points have a negative disparity. What turn() explains is no
-  ///         difference by place. Fatal: "right_camera_turned", from the beginning, by more than
-  ///         can be corrected, with the axis
+  ///         difference by place. "too_near" if for 2 s much of what both images show has been
+  ///         nearer than what is matched. Fatal: "right_camera_turned", from the beginning, by more
+  ///         than can be corrected, with the axis
   [[nodiscard]] Findings add(const StereoFrame& frame);
 
   /// Starts with the rotation that an earlier run found for the map in use, before the first frame
@@ -66,6 +71,11 @@ class StereoCheck {
   [[nodiscard]] std::optional<Finding> estimate(const std::vector<Match>& matches,
                                                 const StereoFrame& frame);
   [[nodiscard]] Finding findingOf(const StereoFrame& frame, double rows_px) const;
+  [[nodiscard]] std::optional<Finding> compareRange(const StereoFrame& frame);
+
+  stereo::DisparityParams matching_;
+  std::optional<Time> last_range_;  ///< of the latest compareRange()
+  int near_ = 0;                    ///< comparisons in a row in which the scene was too near
 
   std::optional<Time> last_;  ///< of the latest comparison
   Condition condition_ = Condition::kNone;

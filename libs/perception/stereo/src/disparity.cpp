@@ -137,6 +137,11 @@ double DisparityImage::coverage() const {
   return cv::countNonZero(values) / static_cast<double>(values.total());
 }
 
+double nearestMatched(const StereoCamera& camera, const DisparityParams& params) {
+  const int range = searchRange(camera, params, camera.width / params.reduce);
+  return camera.fx * camera.baseline_m / (range * params.reduce);
+}
+
 DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& params) {
   if (!frame.disparity.empty()) return givenDisparities(frame, params);
   DisparityImage result;

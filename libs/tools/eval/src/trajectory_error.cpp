@@ -183,7 +183,8 @@ constexpr double kPositionSigma_m = 1e-3;         // least error of a position
 constexpr double kDetermined_rad = kDegree;  // an error of 2 % of the length of relative motions
 constexpr double kSignificance = 3.0;        // standard deviations
 constexpr double kContradiction = 0.5;       // of the motions' lengths: axes 30 degrees apart
-constexpr double kPiecesOfPath = 50.0;       // whose directions are compared
+constexpr double kPiecesOfPath = 50.0;       // whose directions are compared,
+constexpr double kErrorsOfPiece = 5.0;       // so many times as long as the greatest error
 
 /// The rotation with the greatest trace of its product with a sum of products: Kabsch 1976.
 Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& products) {
@@ -202,19 +203,24 @@ Eigen::Matrix3d informationOf(const Eigen::Vector3d& v) {
   return v.squaredNorm() * Eigen::Matrix3d::Identity() - v * v.transpose();
 }
 
-/// By the rotations over pieces of the path (Park & Martin 1994, AX = XB for rotations).
-BodyRotation rotationByTurns(const std::vector<PosePair>& pairs) {
-  std::vector<std::array<Eigen::Vector3d, 2>> turns;  // of truth and estimate
+/// Rotations of truth and estimate over pieces of the path in which the truth turns enough.
+std::vector<std::array<Eigen::Vector3d, 2>> turnsOf(const std::vector<PosePair>& pairs) {
+  std::vector<std::array<Eigen::Vector3d, 2>> turns;
   std::size_t from = 0;
+  const auto turn = [](const Pose& a, const Pose& b) {
+    return logSo3(a.linear().transpose() * b.linear());
+  };
   for (std::size_t i = 1; i < pairs.size(); ++i) {
-    const auto turn = [&](const Pose& a, const Pose& b) {
-      return logSo3(a.linear().transpose() * b.linear());
-    };
     const Eigen::Vector3d by_truth = turn(pairs[from].truth, pairs[i].truth);
     if (by_truth.norm() < kPieceTurn_rad) continue;
     turns.push_back({by_truth, turn(pairs[from].estimate, pairs[i].estimate)});
     from = i;
   }
+  return turns;
+}
+
+/// By these rotations (Park & Martin 1994, AX = XB for rotations).
+BodyRotation rotationByTurns(const std::vector<std::array<Eigen::Vector3d, 2>>& turns) {
   BodyRotation result{BodyRotation::Source::kFound, Eigen::Matrix3d::Identity(), M_PI};
   if (turns.size() < 2) return result;
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero(), information = Eigen::Matrix3d::Zero();
@@ -254,36 +260,48 @@ BodyRotation rotationByPath(const std::vector<PosePair>& aligned) {
   return {BodyRotation::Source::kFound, R_robot_truth, std::hypot(by_places, std::sqrt(attitudes))};
 }
 
-/// Whether truth and estimate move in different directions by their own axes.
-bool areAxesContrary(const std::vector<PosePair>& pairs) {
-  const double piece = trueDistances(pairs).back() / kPiecesOfPath;
-  double moved = 0.0, difference = 0.0;
+/// Whether the truth turns or moves about other axes of its own than the estimate: in pieces much
+/// longer than the errors of their ends.
+bool areAxesContrary(const std::vector<PosePair>& pairs,
+                     const std::vector<std::array<Eigen::Vector3d, 2>>& turns, double error_m) {
+  double turned = 0.0, moved = 0.0, by_turns = 0.0, by_moves = 0.0;  // lengths and differences
+  for (const auto& [truth, estimate] : turns) {
+    turned += truth.norm();
+    by_turns += (truth - estimate).norm();
+  }
+  const double piece =
+      std::max(trueDistances(pairs).back() / kPiecesOfPath, kErrorsOfPiece * error_m);
   std::size_t from = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     const Pose truth = pairs[from].truth.inverse() * pairs[i].truth;
     if (truth.translation().norm() < piece) continue;
     const Pose estimate = pairs[from].estimate.inverse() * pairs[i].estimate;
     moved += truth.translation().norm();
-    difference += (truth.translation() - estimate.translation()).norm();
+    by_moves += (truth.translation() - estimate.translation()).norm();
     from = i;
   }
-  return difference > kContradiction * moved;
+  return by_turns > kContradiction * turned || by_moves > kContradiction * moved;
 }
 
 BodyRotation bodyRotation(const std::vector<PosePair>& pairs, const TrajectoryErrorParams& params) {
   if (params.R_robot_truth) return {BodyRotation::Source::kStated, *params.R_robot_truth, 0.0};
   if (!params.finds_rotation) return {};
-  BodyRotation best = rotationByTurns(pairs);
+  const auto turns = turnsOf(pairs);
+  BodyRotation best = rotationByTurns(turns);
+  double error_m = 0.0;
   if (params.alignment == Alignment::kSe3 || params.alignment == Alignment::kScale) {
-    const auto by_path = rotationByPath(alignedPairs(pairs, alignmentOf(pairs, params.alignment)));
+    const auto aligned = alignedPairs(pairs, alignmentOf(pairs, params.alignment));
+    const auto by_path = rotationByPath(aligned);
     if (by_path.sigma_rad < best.sigma_rad) best = by_path;
+    for (const auto& pair : aligned) {
+      error_m = std::max(error_m, (pair.truth.translation() - pair.estimate.translation()).norm());
+    }
   }
-  const double angle = logSo3(best.R_robot_truth).norm();
   if (best.sigma_rad <= kDetermined_rad) {
-    const bool is_same = angle <= std::max(kSignificance * best.sigma_rad, kDetermined_rad);
-    return is_same ? BodyRotation() : best;
+    const double limit = std::max(kSignificance * best.sigma_rad, kDetermined_rad);
+    return logSo3(best.R_robot_truth).norm() > limit ? best : BodyRotation();
   }
-  if (!areAxesContrary(pairs)) return {};
+  if (!areAxesContrary(pairs, turns, error_m)) return {};
   return {BodyRotation::Source::kUnknown, Eigen::Matrix3d::Identity(), 0.0};
 }
 

@@ -123,9 +123,13 @@ class Perception {
   /// (left out, they contradict the camera), "odometry_scale", "odometry_contradicts",
   /// "motion_left_out", "camera_frozen", "camera_dark", "camera_bright", "vertical_offset",
   /// "images_not_simultaneous", "images_swapped", "speed", "clock_set_back", "clock_jumps_ahead",
-  /// "time_repeated", "recorded_boxes_missing", and "lost_" with "too_dark", "covered", "blurred",
-  /// "few_features" or "moved_too_fast".
+  /// "time_repeated", "recorded_boxes_missing", "too_near", "blurred", and "lost_" with "too_dark",
+  /// "covered", "blurred", "few_features" or "moved_too_fast".
   [[nodiscard]] const Warnings& warnings() const;
+
+  /// How the camera is mounted by the floor in view, in words; nullopt before one was seen for 2 s
+  /// of motion.
+  [[nodiscard]] std::optional<std::string> mounting() const;
 
   /// Rotation of the right camera against its calibration, by the images so far, and whether it is
   /// corrected, in one line; nullopt with too few matches or without images.

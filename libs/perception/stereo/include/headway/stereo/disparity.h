@@ -50,6 +50,10 @@ struct DisparityImage {
   [[nodiscard]] double coverage() const;
 };
 
+/// Least depth of which disparities are searched in a stereo pair [m]; infinite if it is too
+/// narrow.
+[[nodiscard]] double nearestMatched(const StereoCamera& camera, const DisparityParams& params);
+
 /// Matches a stereo pair densely; the same result on any number of cores. Of a depth camera, its
 /// disparities on the same grid, without small regions.
 ///
