@@ -156,11 +156,16 @@ void loadPlugins(const std::string& libraries) {
   }
 }
 
+constexpr char kWaiting[] = "waiting for images";
+
 /// Why there is no stereo pair yet, as far as it is known.
 std::string describeWait(const io::LiveSource& source, double pair_tolerance_s) {
   const auto skipped = source.skipped();
   const auto unpaired = skipped.find("unpaired_image");
-  if (unpaired == skipped.end()) return "";
+  if (unpaired == skipped.end()) {
+    const std::string missing = source.missing();
+    return missing.empty() ? "" : "; " + missing;
+  }
   std::ostringstream text;
   text << "; " << unpaired->second << " images have no partner of the other camera within "
        << pair_tolerance_s << " s (--pair-tolerance)";
@@ -238,6 +243,7 @@ class StatusLine : public run::Sink {
 void StatusLine::run() {
   using Clock = std::chrono::steady_clock;
   auto due = Clock::now() + std::chrono::seconds(1);
+  bool is_said = false;
   while (!stopping_) {
     if (program::interrupted()) source_.close();
     if (Clock::now() >= due) {
@@ -245,6 +251,8 @@ void StatusLine::run() {
       const std::string line = text();
       if (!quiet_) std::puts(line.c_str());
       std::fflush(stdout);
+      const bool is_waiting = line.rfind(kWaiting, 0) == 0 && line != kWaiting;
+      if (quiet_ && is_waiting && !std::exchange(is_said, true)) warn(line);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
@@ -252,7 +260,7 @@ void StatusLine::run() {
 
 std::string StatusLine::text() {
   const std::lock_guard lock(mutex_);
-  if (!last_) return "waiting for images" + describeWait(source_, pair_tolerance_s_);
+  if (!last_) return kWaiting + describeWait(source_, pair_tolerance_s_);
   const pipeline::PerceptionUpdate& update = last_->update;
   const Pose& T_map_robot = update.camera.T_map_robot;
   const auto& place = T_map_robot.translation();

@@ -6,11 +6,15 @@
 #include <headway_test/repeats.h>
 #include <headway_test/waiting.h>
 
+#include <array>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <regex>
 
 namespace headway::drivers {
@@ -208,6 +212,65 @@ TEST_F(LiveRobotTest, APluginThatCannotBeLoadedIsNamed) {
       "--sensors x --load-plugins /no/such.so -o " + (folder_ / "out").string(), frames(1));
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.output, HasSubstr("/no/such.so"));
+}
+
+TEST_F(LiveProgramTest, SaysAtOnceWhatIsMissing) {
+  const std::string hall = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog";
+  const std::string out = (folder_ / "out").string();
+  ASSERT_EQ(0, test::runProcess(test::program("headway-export") + " kitti-odometry -q " + hall +
+                                " -o " + (folder_ / "kitti").string())
+                   .status);
+  const std::string camera = "[CAM]\ndriver = CCameraSensor\nprocess_rate = 15\ngrabber_type = ";
+  const std::string folder = camera + "image_dir\nimage_dir_url = " + (folder_ / "kitti").string() +
+                             "\nleft_format = image_0/%06d.png\nend_index = 149\n";
+  const auto uncalibrated =
+      live("--sensors " + sensors(folder + "right_format = image_1/%06d.png\n") + " -o " + out,
+           frames(1));
+  EXPECT_EQ(1, uncalibrated.status);
+  EXPECT_THAT(uncalibrated.output, HasSubstr("stereo calibration: the images have none"));
+  const auto isWaiting = [](const std::string& output) {
+    return output.find("waiting for images; ") != std::string::npos;
+  };
+  const auto single = live("--sensors " + sensors(folder) + " -o " + out, isWaiting);
+  EXPECT_THAT(single.output, HasSubstr("a stereo camera gives images of two labels"));
+  const auto no_rawlog = live(
+      "--sensors " + sensors(camera + "rawlog\nrawlog_file = /no/such.rawlog\n") + " -o " + out,
+      frames(1));
+  EXPECT_EQ(1, no_rawlog.status);
+  EXPECT_THAT(no_rawlog.output,
+              HasSubstr("[CAM] rawlog_file = /no/such.rawlog: no such file or folder\n"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+}
+
+TEST_F(LiveProgramTest, SplitsImagesThatContainBothOfAPair) {
+  const std::string hall = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog";
+  ASSERT_EQ(0, test::runProcess(test::program("headway-export") + " kitti-odometry -q " + hall +
+                                " -o " + (folder_ / "kitti").string())
+                   .status);
+  std::filesystem::create_directory(folder_ / "both");
+  for (int i = 0; i < 100; ++i) {
+    std::array<char, 16> name{};
+    std::snprintf(name.data(), name.size(), "%06d.png", i);
+    cv::Mat both;
+    cv::hconcat(cv::imread((folder_ / "kitti/image_0").string() + "/" + name.data()),
+                cv::imread((folder_ / "kitti/image_1").string() + "/" + name.data()), both);
+    cv::imwrite((folder_ / "both").string() + "/" + name.data(), both);
+  }
+  const std::string calibration = folder_ / "calibration.yaml";
+  std::ofstream(calibration) << "image_size: [640, 480]\nleft: [450, 450, 319.5, 239.5]\n"
+                                "baseline_m: 0.05\n";
+  const std::string out = folder_ / "out";
+  const auto run =
+      live("--sensors " +
+               sensors("[ZED]\ndriver = CCameraSensor\nprocess_rate = 15\n"
+                       "side_by_side = true\ngrabber_type = image_dir\n"
+                       "image_dir_url = " +
+                       (folder_ / "both").string() + "\nleft_format = %06d.png\nend_index = 99\n") +
+               " --calibration " + calibration + " -o " + out,
+           frames(12));
+  EXPECT_EQ(0, run.status) << run.output;
+  const auto summary = nlohmann::json::parse(test::contentsOf(out + "/summary.json"));
+  EXPECT_GE(summary.at("frames_tracked").get<int>(), 10) << run.output;
 }
 
 TEST_F(LiveProgramTest, NamesWhatIsWrongWithTheSensors) {

@@ -14,6 +14,7 @@
 namespace headway::io {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 mrpt::obs::CObservationOdometry::Ptr odometry(Time time, double x) {
@@ -146,6 +147,46 @@ TEST_F(LiveSourceTest, WithoutACameraIsAnErrorForTheConsumer) {
   source_.push(odometry(1.0, 0.0));
   source_.close();
   EXPECT_THAT(test::errorOf([&] { (void)source_.camera(); }), HasSubstr("neither stereo images"));
+}
+
+TEST_F(LiveSourceTest, ImagesThatCannotBeUsedAreSaidWithinTwoSeconds) {
+  const auto pushEmpty = [this](int i) {
+    auto pair = test::wallObservation(i, test::frameTime(i));
+    pair->imageLeft = mrpt::img::CImage();
+    source_.push(pair);
+  };
+  // A consumer waits in another thread.
+  std::string error;
+  std::thread consumer([&] { error = test::errorOf([&] { (void)source_.camera(); }); });
+  for (int i = 0; i <= 25; ++i) {
+    now_s_ = 50.0 + 0.1 * i;
+    pushEmpty(i);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  source_.close();
+  consumer.join();
+  EXPECT_THAT(error, HasSubstr("none of the images can be used (broken_image "));
+  EXPECT_THAT(error, HasSubstr("check camera, cable and driver"));
+}
+
+TEST_F(LiveSourceTest, ImagesWithoutCalibrationAreAnError) {
+  for (int i = 0; i < 2; ++i) {
+    auto pair = test::wallObservation(i, test::frameTime(i));
+    pair->leftCamera = pair->rightCamera = mrpt::img::TCamera();
+    pair->hasImageRight = false;  // as MRPT's driver for image folders
+    source_.push(pair);
+  }
+  EXPECT_THAT(test::errorOf([&] { (void)source_.camera(); }),
+              AllOf(HasSubstr("the images have none"), HasSubstr("--calibration FILE")));
+}
+
+TEST_F(LiveSourceTest, SaysWhatIsMissingOfACamera) {
+  EXPECT_EQ("", source_.missing());
+  source_.push(test::singleImage(0, 0, test::frameTime(0), "webcam"));
+  EXPECT_THAT(source_.missing(),
+              AllOf(HasSubstr("single images 'webcam'"), HasSubstr("images of two labels")));
+  source_.push(test::singleImage(1, 0, test::frameTime(0), "right"));
+  EXPECT_EQ("", source_.missing());
 }
 
 TEST(LiveSourceThreadTest, PushesFromSeveralThreadsReachTheConsumer) {

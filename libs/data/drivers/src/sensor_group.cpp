@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/raw_camera.h>
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/hwdrivers/CGenericSensor.h>
 #include <mrpt/hwdrivers/registerAllClasses.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -114,7 +116,18 @@ class SensorGroup::Implementation {
     } catch (const std::exception& error) {
       throw InputError("[" + section + "] " + reasonOf(error));
     }
+    requireFile(section, "rawlog_file", "rawlog");
+    requireFile(section, "image_dir_url", "image_dir");
     return sensor;
+  }
+
+  /// Files do not come while a robot runs, as devices do.
+  void requireFile(const std::string& section, const std::string& key,
+                   const std::string& grabber) const {
+    const std::string path = configuration_.read_string(section, key, "");
+    const std::string type = configuration_.read_string(section, "grabber_type", grabber);
+    if (path.empty() || type != grabber || std::filesystem::exists(path)) return;
+    throw InputError("[" + section + "] " + key + " = " + path + ": no such file or folder");
   }
 
   /// A sensor's thread: starts it until it is to be stopped.
@@ -136,13 +149,16 @@ class SensorGroup::Implementation {
   /// Returns when it is to be stopped. @throws std::exception if the sensor fails or falls silent
   void deliver(CGenericSensor& sensor, std::size_t index) {
     const double rate_hz = sensor.getProcessRate();
+    const bool is_side_by_side =
+        configuration_.read_bool(status_[index].name, "side_by_side", false);
     auto due = Clock::now();
     std::optional<Clock::time_point> last;  // of an observation
     while (!isStopping()) {
       sensor.doProcess();
       const auto observations = sensor.getObservations();
       for (const auto& [time, object] : observations) {
-        const auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object);
+        auto observation = std::dynamic_pointer_cast<mrpt::obs::CObservation>(object);
+        if (is_side_by_side) observation = io::splitSideBySide(observation);
         if (observation != nullptr) deliver(observation, index);
       }
       if (sensor.getState() == CGenericSensor::ssError) {

@@ -199,7 +199,7 @@ std::optional<RecordedPair> StereoPairing::add(const mrpt::obs::CObservation::Pt
     return addDepth(dynamic_cast<const mrpt::obs::CObservation3DRangeScan&>(*observation));
   }
   const auto stereo = std::dynamic_pointer_cast<mrpt::obs::CObservationStereoImages>(observation);
-  if (stereo->hasImageRight) return pairOf(*stereo);
+  if (hasRightImage(*stereo)) return pairOf(*stereo);
   ++skipped_["no_right_image"];
   return std::nullopt;
 }

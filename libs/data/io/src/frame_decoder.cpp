@@ -272,6 +272,11 @@ std::string FrameDecoder::decodeRight(const RecordedPair& pair, DecodedPair& ima
 void FrameDecoder::calibrate(const RecordedPair& pair, const DecodedPair& images) {
   if (pair.depth) return calibrateDepth(pair, images);
   const RawStereoCamera raw = rawCameraOf(pair);
+  if (!(raw.left.fx > 0.0) && !(raw.right.fx > 0.0)) {
+    throw InputError(
+        "stereo calibration: the images have none (focal length 0), as those of most drivers: give "
+        "it to headway-live by --calibration FILE (calibration.yaml), also for its recording");
+  }
   if (images.left.size() != cv::Size(raw.left.width, raw.left.height)) {
     throw InputError("stereo calibration: for images of " +
                      sizeText(raw.left.width, raw.left.height) + " px, but they have " +

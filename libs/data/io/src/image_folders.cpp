@@ -5,6 +5,7 @@
 #include <headway/core/text.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
+#include <headway/io/raw_camera.h>
 #include <headway/io/rawlog_source.h>
 
 #include <algorithm>
@@ -185,12 +186,6 @@ Warnings warningsOf(const ImagePairs& pairs) {
   Warnings warnings;
   if (pairs.isAssumed()) addWarning(kTimesAssumed, 0, kTimesAssumedText, warnings);
   return warnings;
-}
-
-/// The left or right half of an image.
-cv::Mat halfOf(const cv::Mat& image, bool is_right) {
-  const int width = image.cols / 2;
-  return image.colRange(is_right ? width : 0, is_right ? 2 * width : width).clone();
 }
 
 class StereoImages : public Dataset {

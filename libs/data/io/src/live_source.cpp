@@ -19,6 +19,7 @@ namespace headway::io {
 namespace {
 
 constexpr const char* kName = "live observations";  // in messages
+constexpr double kPatience_s = 2.0;  // for the first image that can be used: drivers start in less
 
 /// Observations that were pushed and not yet read.
 class PushedObservations : public ObservationReader {
@@ -104,6 +105,7 @@ class LiveSource::Implementation {
       auto frame = complete(std::move(*pending));
       publishCounts();
       if (frame) return LiveFrame{std::move(*frame), arrival_s};
+      if (!decoder_.camera()) requirePatience(arrival_s);
     }
     return std::nullopt;
   }
@@ -116,6 +118,17 @@ class LiveSource::Implementation {
   std::size_t dropped() const {
     const std::lock_guard lock(mutex_);
     return dropped_;
+  }
+
+  std::string missing() const {
+    const std::lock_guard lock(mutex_);
+    if (collector_ || error_ || !has_come_) return "";
+    try {
+      (void)observations_->chooseCamera();
+    } catch (const InputError& error) {
+      return std::string("what has come ") + error.what();
+    }
+    return "";
   }
 
   LiveQueues queues() const {
@@ -144,6 +157,7 @@ class LiveSource::Implementation {
   /// Adds an observation to what waits, and drops what exceeds the options.
   void collect(const mrpt::obs::CObservation::Ptr& observation) {
     pushed_->push(observation);
+    has_come_ = true;
     if (!collector_) {
       if (!observations_->readForCamera()) return;
       collector_.emplace(observations_->chooseCamera(), options_.observations, counts_);
@@ -204,6 +218,23 @@ class LiveSource::Implementation {
     return withMotion(std::move(*frame));
   }
 
+  /// @throws InputError if no image could be used since the first one came
+  void requirePatience(double arrival_s) {
+    if (!first_unusable_s_) first_unusable_s_ = arrival_s;
+    if (arrival_s - *first_unusable_s_ < kPatience_s) return;
+    std::string text = "none of the images can be used";
+    const char* separator = " (";
+    for (const auto& [reason, count] : decoder_counts_) {
+      text += separator + reason + " " + std::to_string(count);
+      separator = ", ";
+    }
+    const bool is_uncalibrated = decoder_counts_.count("bad_calibration") > 0;
+    throw InputError(std::string(kName) + ": " + text + "); " +
+                     (is_uncalibrated
+                          ? "give their calibration by --calibration FILE"
+                          : "they are empty or broken: check camera, cable and driver"));
+  }
+
   RecordedFrame withMotion(RecordedFrame frame) {
     const std::lock_guard lock(mutex_);
     collector_->extrapolateMotion(frame.time, options_.max_extrapolation_s);
@@ -231,14 +262,16 @@ class LiveSource::Implementation {
   std::optional<UsefulObservations> observations_;
   std::optional<FrameCollector> collector_;  ///< once the camera is determined
   std::size_t dropped_ = 0;
+  bool has_come_ = false;  ///< any observation
   bool closed_ = false;
   std::exception_ptr error_;
 
   std::map<std::string, std::size_t> decoder_counts_;  // the consumer's, like the members below
   FrameDecoder decoder_;
-  std::optional<LiveFrame> first_;         ///< decoded by camera(), for next()
-  std::optional<Time> last_time_;          ///< of the latest frame
-  std::optional<std::size_t> last_frame_;  ///< index of the same
+  std::optional<LiveFrame> first_;          ///< decoded by camera(), for next()
+  std::optional<double> first_unusable_s_;  ///< arrival of the first image, before a usable one
+  std::optional<Time> last_time_;           ///< of the latest frame
+  std::optional<std::size_t> last_frame_;   ///< index of the same
 };
 
 LiveSourceOptions::LiveSourceOptions() { observations.read_ahead = 0; }
@@ -261,6 +294,8 @@ std::optional<LiveFrame> LiveSource::next() { return implementation_->next(); }
 bool LiveSource::hasFrame() const { return implementation_->hasFrame(); }
 
 std::size_t LiveSource::dropped() const { return implementation_->dropped(); }
+
+std::string LiveSource::missing() const { return implementation_->missing(); }
 
 LiveQueues LiveSource::queues() const { return implementation_->queues(); }
 

@@ -125,7 +125,7 @@ bool isRecordedDetections(const mrpt::obs::CObservation& observation) {
 
 void CameraProbe::add(const mrpt::obs::CObservation& observation) {
   if (const auto* stereo = dynamic_cast<const mrpt::obs::CObservationStereoImages*>(&observation)) {
-    if (stereo->hasImageRight) ++stereo_[observation.sensorLabel];
+    if (hasRightImage(*stereo)) ++stereo_[observation.sensorLabel];
   } else if (dynamic_cast<const mrpt::obs::CObservationImage*>(&observation) != nullptr) {
     auto& camera = single_[observation.sensorLabel];
     ++camera.count;
@@ -203,7 +203,10 @@ CameraChoice CameraProbe::choose(const std::map<std::string, std::size_t>& skipp
   throw InputError(
       "contains neither stereo images nor poses labelled 'pose' nor images with depth; it "
       "contains " +
-      labelsSeen(skipped));
+      labelsSeen(skipped) +
+      (single_.empty() ? ""
+                       : ": a stereo camera gives images of two labels, or both in one image "
+                         "(side_by_side), a depth camera images with depth"));
 }
 
 /// The left camera is the one with the other to its right.

@@ -156,6 +156,11 @@ template <typename Kind>
          isKind<mrpt::obs::CObservation3DRangeScan>(observation);
 }
 
+/// Whether a pair is complete, which MRPT's driver for image folders does not mark.
+[[nodiscard]] inline bool hasRightImage(const mrpt::obs::CObservationStereoImages& stereo) {
+  return stereo.hasImageRight || !stereo.imageRight.isEmpty();
+}
+
 /// Whether it measures the robot's motion.
 [[nodiscard]] inline bool isMotion(const mrpt::obs::CObservation& observation) {
   return isKind<mrpt::obs::CObservationOdometry>(observation) ||

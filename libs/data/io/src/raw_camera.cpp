@@ -218,6 +218,28 @@ void setCalibration(const RawStereoCamera& camera, bool is_left,
       toMrpt(is_left ? camera.T_robot_left : Pose(camera.T_robot_left * camera.T_left_right));
 }
 
+cv::Mat halfOf(const cv::Mat& image, bool is_right) {
+  const int width = image.cols / 2;
+  return image.colRange(is_right ? width : 0, is_right ? 2 * width : width).clone();
+}
+
+std::shared_ptr<mrpt::obs::CObservation> splitSideBySide(
+    const std::shared_ptr<mrpt::obs::CObservation>& observation) {
+  const auto both = std::dynamic_pointer_cast<mrpt::obs::CObservationImage>(observation);
+  if (both == nullptr) return observation;
+  auto pair = mrpt::obs::CObservationStereoImages::Create();
+  pair->timestamp = both->timestamp;
+  pair->sensorLabel = both->sensorLabel;
+  pair->cameraPose = mrpt::poses::CPose3DQuat(both->cameraPose);
+  pair->leftCamera = pair->rightCamera = both->cameraParams;
+  pair->hasImageRight = true;
+  if (both->image.isEmpty()) return pair;
+  const cv::Mat& image = both->image.asCvMatRef();
+  pair->imageLeft = mrpt::img::CImage(halfOf(image, false), mrpt::img::SHALLOW_COPY);
+  pair->imageRight = mrpt::img::CImage(halfOf(image, true), mrpt::img::SHALLOW_COPY);
+  return pair;
+}
+
 std::shared_ptr<mrpt::obs::CObservation3DRangeScan> depthObservation(const mrpt::img::CImage& image,
                                                                      const cv::Mat& depth,
                                                                      const RawDepthCamera& camera) {

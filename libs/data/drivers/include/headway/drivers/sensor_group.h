@@ -33,7 +33,8 @@ struct SensorStatus {
 ///
 /// A section is a sensor if it has the key `driver`, a class of CGenericSensor, and not
 /// `rawlog-grabber-ignore=true`; [global] is ignored. A sensor that cannot be started, fails (such
-/// as an unplugged one) or falls silent is started again until stop().
+/// as an unplugged one) or falls silent is started again until stop(). With `side_by_side=true` the
+/// section's images contain both images of a stereo camera, and are split.
 ///
 ///     SensorGroup sensors(mrpt::config::CConfigFile("SENSORS.ini"), onObservation, onMessage);
 ///     sensors.start();
@@ -46,8 +47,8 @@ class SensorGroup {
 
   /// Reads the configuration of all sensors.
   ///
-  /// @throws InputError if there is no sensor, a class is unknown, or a section is invalid; names
-  ///         the section
+  /// @throws InputError if there is no sensor, a class is unknown, a section is invalid, or the
+  ///         rawlog or folder of images of a camera does not exist; names the section
   SensorGroup(const mrpt::config::CConfigFileBase& configuration, ObservationCallback observation,
               MessageCallback message, const SensorGroupOptions& options = {});
   ~SensorGroup();  ///< stops

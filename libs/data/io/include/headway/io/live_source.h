@@ -62,7 +62,8 @@ class LiveSource {
   /// Waits for the first usable stereo pair, or for poses if there are no cameras.
   ///
   /// @return  rectified camera of all frames; null if the input has only poses, or none at all
-  /// @throws  InputError as RawlogSource's constructor
+  /// @throws  InputError as RawlogSource's constructor, and if images have come for 2 s of which
+  ///          none can be used
   [[nodiscard]] std::shared_ptr<const StereoCamera> camera();
 
   /// Waits for the newest frame; nullopt once the source is closed and no frame is waiting.
@@ -77,13 +78,18 @@ class LiveSource {
   /// Number of complete frames dropped because a newer one was complete.
   [[nodiscard]] std::size_t dropped() const;
 
+  /// Why no camera is known yet by what has come so far, with what to do; empty if one is, or
+  /// nothing has come. May be called by any thread.
+  [[nodiscard]] std::string missing() const;
+
   /// Current lengths of the queues.
   [[nodiscard]] LiveQueues queues() const;
 
   /// Consistency of images and calibration, of the first pair; nullopt before camera().
   [[nodiscard]] const std::optional<CalibrationReport>& calibration() const;
 
-  /// Number of unused observations by class name or reason, see RawlogSource.
+  /// Number of unused observations by class name or reason, see RawlogSource. May be called by any
+  /// thread.
   [[nodiscard]] std::map<std::string, std::size_t> skipped() const;
 
   /// Sensors with other clocks, see RawlogSource.

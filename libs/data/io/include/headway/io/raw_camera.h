@@ -17,6 +17,7 @@ class CImage;
 class TCamera;
 }  // namespace mrpt::img
 namespace mrpt::obs {
+class CObservation;
 class CObservation3DRangeScan;
 class CObservationImage;
 class CObservationStereoImages;
@@ -115,6 +116,14 @@ void setCalibration(const RawStereoCamera& camera,
 /// Replaces calibration and pose of one image of a pair.
 void setCalibration(const RawStereoCamera& camera, bool is_left,
                     mrpt::obs::CObservationImage& observation);
+
+/// The left or right half of an image that contains those of both cameras, side by side.
+[[nodiscard]] cv::Mat halfOf(const cv::Mat& image, bool is_right);
+
+/// An image that contains those of both cameras as a pair of the same time, label, pose and lens;
+/// others unchanged. An empty image gives an empty pair.
+[[nodiscard]] std::shared_ptr<mrpt::obs::CObservation> splitSideBySide(
+    const std::shared_ptr<mrpt::obs::CObservation>& observation);
 
 /// A frame of a depth camera, without time and label.
 ///
