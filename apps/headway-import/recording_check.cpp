@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks of a recording: rates, gaps and clocks of its sensors, exposure, blur and rows of its
-// images.
+// Checks of a recording: rates, gaps and clocks of its sensors, exposure, blur, rows and
+// registration of its images, and the camera's mounting.
 #include "recording_check.h"
 
 #include <headway/core/error.h>
@@ -11,6 +11,7 @@
 #include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_sink.h>
 #include <headway/io/rawlog_source.h>
+#include <headway/pipeline/perception.h>
 #include <headway/program/progress.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationIMU.h>
@@ -35,6 +36,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "registration_check.h"
 
 namespace headway::import {
 namespace {
@@ -394,11 +397,13 @@ class ImageCheck {
   void addRotation(const StereoFrame& frame);
   [[nodiscard]] CheckItem pairItem() const;
   [[nodiscard]] CheckItem depthItem() const;
+  [[nodiscard]] CheckItem registrationItem() const;
 
   std::size_t every_nth_pair_;
   std::size_t frames_ = 0;
-  std::vector<double> brightness_, difference_, saturated_, sharpness_, vertical_, matches_;
+  std::vector<double> brightness_, difference_, saturated_, sharpness_, vertical_, matches_, rows_;
   std::vector<double> known_depth_;  ///< ratio of the pixels, of a depth camera
+  RegistrationCheck registration_;
   std::vector<RotationStep> steps_;
   cv::Mat last_;
   Time last_time_ = 0.0;
@@ -451,6 +456,7 @@ void ImageCheck::add(const StereoFrame& frame) {
   if (frame.right.empty()) {
     known_depth_.push_back(static_cast<double>(cv::countNonZero(frame.disparity > 0.0F)) /
                            static_cast<double>(frame.left.total()));
+    if (frames_ % every_nth_pair_ == 0) registration_.add(frame);
   } else {
     difference_.push_back(std::abs(left - cv::mean(frame.right)[0]));
     if (frames_ % every_nth_pair_ == 0) addPair(frame);
@@ -462,7 +468,9 @@ void ImageCheck::add(const StereoFrame& frame) {
 void ImageCheck::addPair(const StereoFrame& frame) {
   const auto report = io::measureCalibration(frame.left, frame.right, *frame.camera);
   matches_.push_back(static_cast<double>(report.matches));
-  if (report.matches >= 20) vertical_.push_back(report.vertical_disparity_px);
+  if (report.matches < 20) return;
+  vertical_.push_back(report.vertical_disparity_px);
+  rows_.push_back(report.row_offset_px);
 }
 
 void ImageCheck::addRotation(const StereoFrame& frame) {
@@ -526,6 +534,7 @@ std::vector<CheckItem> ImageCheck::items() const {
   }
   items.push_back(blur);
   items.push_back(known_depth_.empty() ? pairItem() : depthItem());
+  if (!known_depth_.empty()) items.push_back(registrationItem());
   return items;
 }
 
@@ -539,16 +548,44 @@ CheckItem ImageCheck::depthItem() const {
   return depth;
 }
 
+CheckItem ImageCheck::registrationItem() const {
+  const auto found = registration_.result();
+  if (!found) return {"registration", "not measurable: too few contours", Rating::kOk, ""};
+  const auto& [value, sigma] = *found;
+  CheckItem item{"registration",
+                 formatted("depth fits colour if moved by %+.0f +- %.0f mm right, %+.0f +- %.0f mm "
+                           "down, and grown by %+.1f +- %.1f %%",
+                           1e3 * value[0], 1e3 * sigma[0], 1e3 * value[1], 1e3 * sigma[1],
+                           1e2 * value[2], 1e2 * sigma[2]),
+                 Rating::kOk, ""};
+  constexpr double kSignificant = 3.0;  // standard deviations
+  if ((value.array().abs() > kSignificant * sigma.array()).any()) {
+    item.rating = Rating::kWarning;
+    item.advice =
+        "colour and depth are out of register: check the pose between both cameras (T_left_depth) "
+        "and that each has its own lens (left, depth) in the calibration";
+  }
+  return item;
+}
+
 CheckItem ImageCheck::pairItem() const {
   const double vertical = median(vertical_);
-  CheckItem offset{"vertical offset",
-                   formatted("median %.2f px, %.0f matches a pair", vertical, median(matches_)),
+  CheckItem offset{"vertical offset", formatted("median %.2f px", vertical),
                    ratingOf(vertical, 0.5, 1.5), ""};
   if (offset.rating != Rating::kOk) offset.advice = "calibrate again and tighten the cameras";
   if (vertical_.empty()) {
     offset.rating = Rating::kBad;
     offset.advice = io::kNothingMatches;
+  } else {
+    // Rows of one rig are constant; those of cameras that expose at other times are not.
+    const double low = percentile(rows_, 0.05), high = percentile(rows_, 0.95);
+    offset.value += formatted(", %+.1f to %+.1f px from pair to pair", low, high);
+    if (const Rating rating = ratingOf(high - low, 1.0, 4.0); rating > offset.rating) {
+      offset.rating = rating;
+      offset.advice = "the cameras are not synchronised, or one is loose: trigger both together";
+    }
   }
+  offset.value += formatted(", %.0f matches a pair", median(matches_));
   return offset;
 }
 
@@ -574,15 +611,8 @@ std::vector<CheckItem> ImageCheck::clockItems(const std::vector<RotationSample>&
 constexpr std::size_t kMatchedPairs = 100;
 
 const char* wordOf(Rating rating) {
-  switch (rating) {
-    case Rating::kOk:
-      return "ok";
-    case Rating::kWarning:
-      return "warning";
-    case Rating::kBad:
-      break;
-  }
-  return "bad";
+  if (rating == Rating::kBad) return "bad";
+  return rating == Rating::kWarning ? "warning" : "ok";
 }
 
 void print(const CheckItem& item) {
@@ -622,6 +652,53 @@ void append(std::vector<CheckItem>& items, std::vector<CheckItem> more) {
   for (auto& item : more) items.push_back(std::move(item));
 }
 
+/// What the pipeline says about calibration and mounting, by its first half minute.
+class PipelineCheck {
+ public:
+  explicit PipelineCheck(std::shared_ptr<const StereoCamera> camera)
+      : perception_(std::move(camera), parameters()) {}
+
+  void add(RecordedFrame frame) {
+    if (!first_) first_ = frame.time;
+    const bool is_over = frame.time - *first_ > kSeconds || perception_.mounting();
+    if (is_over || fatal_ || (last_ && frame.time - *last_ < kInterval_s)) return;
+    last_ = frame.time;
+    frame.T_map_robot.reset();
+    const auto update = perception_.process(frame);
+    if (const auto* finding = update.fatalFinding()) fatal_ = *finding;
+  }
+
+  [[nodiscard]] std::vector<CheckItem> items() const {
+    std::vector<CheckItem> items;
+    if (fatal_) items.push_back({fatal_->name, "refused", Rating::kBad, fatal_->text});
+    for (const auto& [name, warning] : perception_.warnings()) {
+      if (name != "camera_mounting" && name != "odometry_scale" && name != "too_near") continue;
+      items.push_back({name, "", Rating::kWarning, warning.text});
+    }
+    if (perception_.warnings().count("camera_mounting") > 0) return items;
+    const auto mounting = perception_.mounting();
+    items.push_back({"mounting",
+                     mounting ? "as the floor in view shows it: " + *mounting
+                              : "not compared: no floor was seen for 2 s of motion",
+                     Rating::kOk, ""});
+    return items;
+  }
+
+ private:
+  static constexpr double kSeconds = 30.0;     ///< of slow motion in which a floor is found
+  static constexpr double kInterval_s = 0.06;  ///< of frames: more than 15 a second tell no more
+
+  static pipeline::PerceptionParams parameters() {
+    pipeline::PerceptionParams params;
+    params.detection.detector = "none";
+    return params;
+  }
+
+  pipeline::Perception perception_;
+  std::optional<pipeline::Finding> fatal_;
+  std::optional<Time> first_, last_;
+};
+
 /// Items of the images; one that is bad if they cannot be read.
 std::vector<CheckItem> imageItems(const std::string& path, const std::string& sensor_label,
                                   const TimeCheck& times) {
@@ -633,15 +710,18 @@ std::vector<CheckItem> imageItems(const std::string& path, const std::string& se
     io::RawlogSource source(path, options);
     items.push_back(rigOf(source));
     ImageCheck images(std::max<std::size_t>(1, times.images() / kMatchedPairs));
-    std::size_t frames = 0;
+    std::optional<PipelineCheck> pipeline;
     while (!program::interrupted()) {
       const auto frame = source.next();
       if (!frame) break;
-      if (frame->stereo) images.add(*frame->stereo);
-      frames += frame->stereo ? 1 : 0;
+      if (!frame->stereo) continue;
+      images.add(*frame->stereo);
+      if (!pipeline) pipeline.emplace(source.camera());
+      pipeline->add(*frame);
     }
-    if (frames > 0) {
+    if (pipeline) {
       append(items, images.items());
+      append(items, pipeline->items());
       append(items, images.clockItems(times.rotations()));
     }
     const auto warnings = source.warnings();
@@ -677,7 +757,8 @@ ImportOutput::~ImportOutput() {
 void addCheck(program::CommandLine& line, bool& check) {
   line.flag(check, 0, "check",
             "Check the recording: rates, gaps, time offsets, exposure, blur, vertical offset, "
-            "clocks; exit status 1 if something is bad; without -o nothing is kept");
+            "registration, mounting, clocks; exit status 1 if something is bad; without -o nothing "
+            "is kept");
 }
 
 bool isAnyImage(const mrpt::obs::CObservation& observation) {

@@ -11,6 +11,7 @@
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
+#include <fstream>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -232,6 +233,86 @@ TEST_F(RecordingCheckTest, PairsThatHaveNothingInCommonAreRefusedInTheFirstSecon
     EXPECT_EQ("no error", framesBeforeRefusal(frames)) << row;
     EXPECT_EQ(30u, frames);
   }
+}
+
+/// A depth camera before boxes at 1 to 3 m and a wall at 4 m. The calibration that is written has
+/// both cameras in one place, with the lens of the colour image.
+///
+/// @param shift_m  of the depth camera to the right
+/// @param growth   of its focal length
+void writeBoxes(const std::string& path, double shift_m, double growth) {
+  constexpr int kWidth = 320, kHeight = 240;
+  RawDepthCamera camera;
+  camera.color = {kWidth, kHeight, 280.0, 280.0, 159.5, 119.5, {}, {}, false};
+  camera.depth = camera.color;
+  camera.max_range_m = 8.0;
+  RawlogSink sink(path, ImageStorage::kEmbeddedRaw);
+  for (int i = 0; i < 30; ++i) {
+    cv::Mat left(kHeight, kWidth, CV_8U, cv::Scalar(120)), noise(kHeight, kWidth, CV_16S);
+    cv::Mat depth(kHeight, kWidth, CV_16U, cv::Scalar(4000));
+    cv::RNG random(3), grain(static_cast<std::uint64_t>(i));
+    for (int box = 0; box < 12; ++box) {  // from the farthest on
+      const double z = 3.0 - 2.0 * box / 12.0, side = random.uniform(0.15, 0.5);
+      const double x = random.uniform(-1.0, 1.0) * 0.6 * z - 0.02 * i,
+                   y = random.uniform(-0.4, 0.4) * z;
+      const auto draw = [&](cv::Mat& image, double focal, double from_x, double value) {
+        const cv::Point corner(cvRound(159.5 + focal * (x - from_x) / z),
+                               cvRound(119.5 + focal * y / z));
+        cv::rectangle(
+            image,
+            cv::Rect(corner, cv::Size(cvRound(focal * side / z), cvRound(1.5 * focal * side / z))),
+            value, cv::FILLED);
+      };
+      draw(left, 280.0, 0.0, box % 2 == 0 ? 60.0 + box : 180.0 + 4 * box);
+      draw(depth, 280.0 * (1.0 + growth), shift_m, 1000.0 * z);
+    }
+    grain.fill(noise, cv::RNG::NORMAL, 0, 2);
+    cv::add(left, noise, left, cv::noArray(), CV_8U);
+    sink.writeDepth(test::frameTime(static_cast<std::size_t>(i)), left, depth, camera);
+  }
+  sink.close();
+}
+
+TEST_F(RecordingCheckTest, ColourAndDepthThatAreOutOfRegisterAreMeasured) {
+  const auto registration = [&](double shift_m, double growth) {
+    writeBoxes(at("x.rawlog"), shift_m, growth);
+    const std::string output = check("x.rawlog").output;
+    std::smatch match;
+    EXPECT_TRUE(std::regex_search(
+        output, match,
+        std::regex("(\\w+) +registration: depth fits colour if moved by ([+-]\\d+) \\+- \\d+ mm "
+                   "right, ([+-]\\d+) \\+- \\d+ mm down, and grown by ([+-][0-9.]+) ")))
+        << output;
+    return match;
+  };
+  const auto good = registration(0.0, 0.0);
+  EXPECT_EQ("ok", good[1]);
+  const auto shifted = registration(0.03, 0.0);
+  EXPECT_EQ("warning", shifted[1]);
+  EXPECT_NEAR(30.0, std::stod(shifted[2]), 8.0);
+  EXPECT_NEAR(0.0, std::stod(shifted[3]), 8.0);
+  EXPECT_NEAR(0.0, std::stod(shifted[4]), 1.5);
+  const auto grown = registration(0.0, 0.06);
+  EXPECT_EQ("warning", grown[1]);
+  EXPECT_NEAR(0.0, std::stod(grown[2]), 8.0);
+  EXPECT_NEAR(-5.7, std::stod(grown[4]), 1.5) << "1 / 1.06 - 1";
+}
+
+TEST_F(RecordingCheckTest, TheMountingIsComparedWithTheFloor) {
+  const std::string hall = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog";
+  EXPECT_THAT(import("rawlog " + hall + " --check").output,
+              HasSubstr("ok       mounting: as the floor in view shows it: 0.3"));
+  ASSERT_EQ(0, test::runProcess(std::string(HEADWAY_BIN_DIR) +
+                                "/headway-export kitti-odometry -q " + hall + " -o " + at("kitti"))
+                   .status);
+  std::ofstream(at("c.yaml")) << "image_size: [640, 480]\nleft: [450, 450, 319.5, 239.5]\n"
+                                 "baseline_m: 0.05\nframe_rate_hz: 15\nT_robot_cam: [0, "
+                                 "-0.08715574, 0.9961947, 0.1, -1, 0, 0, 0.025, 0, -0.9961947, "
+                                 "-0.08715574, 0.6]\n";
+  const auto wrong = import("images --left " + at("kitti/image_0") + " --right " +
+                            at("kitti/image_1") + " --calibration " + at("c.yaml") + " --check");
+  EXPECT_THAT(wrong.output,
+              AllOf(HasSubstr("warning  camera_mounting"), HasSubstr("is stated to be 0.60 m")));
 }
 
 /// The stated offset of the inertial sensor's times [ms].
