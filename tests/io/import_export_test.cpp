@@ -11,6 +11,8 @@
 #include <mrpt/obs/CObservation.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 
 #include "processes.h"
 #include "synthetic_recording.h"
@@ -298,6 +300,61 @@ TEST_F(ImportExportTest, KittiTrackingWithImagesGivesNoPoses) {
   EXPECT_EQ(4u, readTruth(at("x.rawlog")).poses.size());
   ASSERT_EQ(0, import(call + " --boxes label_02 --images " + drive).status);
   EXPECT_EQ(3u, test::framesOf(at("x.rawlog"))[3].detections->items.size());
+}
+
+/// Writes pairs of a wall, left, right or side by side, as a video at 12.5 frames a second.
+void writeVideo(const std::string& path, const char* codec, const std::string& side) {
+  const bool is_double = side == "both";
+  cv::VideoWriter video(path, cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), 12.5,
+                        {is_double ? 320 : 160, 120});
+  ASSERT_TRUE(video.isOpened()) << path;
+  for (int i = 0; i < 20; ++i) {
+    auto [left, right] = test::wall(i);
+    cv::Mat image = side == "right" ? right : left;
+    if (is_double) cv::hconcat(left, right, image);
+    cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
+    video.write(image);
+  }
+}
+
+TEST_F(ImportExportTest, VideosAreReadWithTheTimesOfTheirContainer) {
+  std::ofstream(at("c.yaml")) << "image_size: [160, 120]\nleft: [100, 100, 79.5, 59.5]\n"
+                                 "baseline_m: 0.2\n";
+  for (const auto& [codec, ending] : {std::pair("MJPG", ".avi"), std::pair("mp4v", ".mp4")}) {
+    for (const char* side : {"left", "right", "both"}) writeVideo(at(side) + ending, codec, side);
+    for (const std::string& arguments :
+         {"--left " + at("left") + ending + " --right " + at("right") + ending,
+          "--left " + at("both") + ending + " --side-by-side"}) {
+      const auto result = import("images " + arguments + " --calibration " + at("c.yaml") +
+                                 " -w -o " + at("x.rawlog"));
+      ASSERT_EQ(0, result.status) << result.output;
+      EXPECT_THAT(result.output, Not(HasSubstr("times_assumed")));
+      RawlogSource source(at("x.rawlog"), {});
+      std::size_t frames = 0;
+      Time first = 0.0;
+      while (const auto frame = source.next()) {
+        if (frames == 0) first = frame->time;
+        EXPECT_NEAR(0.08 * static_cast<double>(frames), frame->time - first, 1e-3) << arguments;
+        const auto wall = test::wall(static_cast<int>(frames++));
+        const auto next = test::wall(static_cast<int>(frames));
+        const auto difference = [](const cv::Mat& a, const cv::Mat& b) {
+          return cv::norm(a, b, cv::NORM_L1);
+        };
+        EXPECT_LT(difference(frame->stereo->left, wall.left),
+                  0.5 * difference(frame->stereo->left, next.left))
+            << arguments;
+        EXPECT_LT(difference(frame->stereo->right, wall.right),
+                  0.5 * difference(frame->stereo->right, next.right))
+            << arguments;
+      }
+      EXPECT_EQ(20u, frames) << arguments;
+    }
+  }
+  std::ofstream(at("no.mp4")) << "this is no video";
+  const auto broken = import("images --left " + at("no.mp4") + " --side-by-side --calibration " +
+                             at("c.yaml") + " -w -o " + at("x.rawlog"));
+  EXPECT_EQ(1, broken.status);
+  EXPECT_THAT(broken.output, HasSubstr("no.mp4: is no video that OpenCV can open"));
 }
 
 TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {

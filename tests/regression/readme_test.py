@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs every command line of README.md as it is written there.
+"""Runs every command line of README.md as it is written there, the recipes of
+doc/your_recording.md, and the files of sensors of doc/live.md.
 
     tests/regression/readme_test.py BUILD_DIR SOURCE_DIR
 
@@ -16,6 +17,7 @@ import pathlib
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -95,12 +97,55 @@ def command_lines(readme: str) -> list[str]:
     return lines
 
 
+def recipes(document: str) -> list[str]:
+    """Lines of the code block of the section Recording."""
+    section = re.search(r"^## Recording\n(.*?)^## ", document, re.M | re.S)[1]
+    return re.search(r"^```\n(.*?)^```\n", section, re.M | re.S)[1].splitlines()
+
+
+def live_sensors(document: str) -> dict[str, str]:
+    """Files of sensors by name; of those that need a device, the text is empty."""
+    files = {}
+    for block in re.findall(r"^```ini\n(.*?)^```\n", document, re.M | re.S):
+        name, remark = re.match(r"# ([a-z]+\.ini)(.*)\n", block).groups()
+        files[name] = "" if "not tried" in remark else block
+    return files
+
+
+def live_lines(document: str, sensors: dict[str, str]) -> list[str]:
+    """The runs with these files, without those that need a device."""
+    runs = re.findall(r"^headway-live --sensors ([a-z]+\.ini).*$", document, re.M)
+    if sorted(runs) != sorted(sensors):
+        raise ValueError(f"doc/live.md: files of sensors {sorted(sensors)}, runs with {sorted(runs)}")
+    lines = re.findall(r"^headway-live --sensors [a-z]+\.ini.*$", document, re.M)
+    return [line for line in lines if sensors[line.split()[2]]]
+
+
 def is_run_elsewhere(line: str, source: pathlib.Path) -> bool:
     """Whether another test runs it; that test is looked at."""
     for start, (test, words) in RUN_BY.items():
         if line.startswith(start):
             return words in (source / test).read_text(encoding="utf-8")
     return False
+
+
+def avi(pictures: list[bytes], width: int, height: int) -> bytes:
+    """A video of PNG images at 10 Hz."""
+    def chunk(name: bytes, content: bytes) -> bytes:
+        return name + struct.pack("<I", len(content)) + content + b"\0" * (len(content) % 2)
+
+    count, longest = len(pictures), max(map(len, pictures))
+    main = struct.pack("<14I", 100000, 0, 0, 0x10, count, 0, 1, longest, width, height, 0, 0, 0, 0)
+    stream = struct.pack("<4s4sIHHIIIIIIII4H", b"vids", b"MPNG", 0, 0, 0, 0, 1, 10, 0, count,
+                         longest, 0, 0, 0, 0, width, height)
+    format_ = struct.pack("<IiiHH4sIiiII", 40, width, height, 1, 24, b"MPNG", 0, 0, 0, 0, 0)
+    movie, index = b"movi", b""
+    for picture in pictures:
+        index += struct.pack("<4sIII", b"00dc", 0x10, len(movie), len(picture))
+        movie += chunk(b"00dc", picture)
+    header = chunk(b"LIST", b"hdrl" + chunk(b"avih", main) + chunk(
+        b"LIST", b"strl" + chunk(b"strh", stream) + chunk(b"strf", format_)))
+    return chunk(b"RIFF", b"AVI " + header + chunk(b"LIST", movie) + chunk(b"idx1", index))
 
 
 class Inputs:
@@ -128,6 +173,7 @@ class Inputs:
         self.images()
         self.tum()
         self.bag()
+        self.videos()
 
     def kitti_tracking(self) -> None:
         training = "KITTI/training"
@@ -188,7 +234,16 @@ class Inputs:
         writer = self.source / "tests/bags/writers/write_ros1.py"
         subprocess.run(["/usr/bin/python3", str(writer), "drive.bag", "mono", "none"],
                        cwd=self.folder, check=True)
+        shutil.copyfile(self.folder / "drive.bag", self.folder / "oak.bag")
         (self.folder / "drive.bag").rename(self.folder / "drive.mcap")
+
+    def videos(self) -> None:
+        """Of PNG images in AVI: the first bytes decide here too."""
+        self.picture("both.png", 640, 120, 8)
+        both = [self.folder / "both.png"] * len(self.left)
+        for name, width, pictures in (("left.avi", 320, self.left), ("right.avi", 320, self.right),
+                                      ("zed.mp4", 640, both)):
+            (self.folder / name).write_bytes(avi([p.read_bytes() for p in pictures], width, 120))
 
     def picture(self, name: str, width: int, height: int, bits: int) -> None:
         """Stripes of 8 bits, or with 16 bits a wall at 4 m in units of 0.2 mm."""
@@ -245,19 +300,26 @@ def wait_for_frames(process: subprocess.Popen[bytes], output: pathlib.Path) -> b
 def main() -> int:
     build, source = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     programs = build / "bin"
-    lines = command_lines((source / "README.md").read_text(encoding="utf-8"))
+    readme, recording, live = ((source / name).read_text(encoding="utf-8") for name in
+                               ("README.md", "doc/your_recording.md", "doc/live.md"))
+    sensors = live_sensors(live)
+    lines = list(dict.fromkeys(command_lines(readme) + recipes(recording) +
+                               live_lines(live, sensors)))
     environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}",
                    "LD_LIBRARY_PATH": str(build / "lib")}
     faults = 0
     with tempfile.TemporaryDirectory(prefix="headway-readme-") as temporary:
         folder = pathlib.Path(temporary)
-        Inputs(folder, programs, source).make()
+        inputs = Inputs(folder, programs, source)
+        inputs.make()
+        for name, text in sensors.items():
+            inputs.write(name, text)
         for line in (line for line in lines if not is_run_elsewhere(line, source)):
             fault = run_line(line, folder, environment)
             print(f"{'FAULT' if fault else 'ok'}: {line}" + (f"\n  {fault}" if fault else ""),
                   flush=True)
             faults += bool(fault)
-    if len(lines) < 10:
+    if len(lines) < 20:
         print(f"FAULT: only {len(lines)} lines were found")
         faults += 1
     return 1 if faults else 0
