@@ -42,6 +42,7 @@ py::dict evaluateTrajectory(const Rows& truth, const Rows& estimate, const std::
   eval::TrajectoryErrorParams params;
   params.alignment = alignmentFrom(align);
   params.segment_lengths_m = segments_m;
+  params.finds_rotation = true;
   for (const double length : segments_m) {
     if (!(length > 0.0)) throw InputError("segments_m: must be positive");
   }
