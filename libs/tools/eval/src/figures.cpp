@@ -150,7 +150,11 @@ const char* toString(BodyRotation::Source source) {
 std::string textOf(const BodyRotation& body) {
   if (body.source == BodyRotation::Source::kUnknown) return "unknown";
   const Eigen::Vector3d angles = anglesOf(body.R_robot_truth);
-  std::string text = formatted("%.1f,%.1f,%.1f", angles[0], angles[1], angles[2]);
+  std::string text;
+  for (const double angle : angles) {
+    const double rounded = std::round(10.0 * angle) / 10.0 + 0.0;  // of -0.0 too
+    text += (text.empty() ? "" : ",") + fixedText(rounded, 1);
+  }
   if (body.source == BodyRotation::Source::kFound) {
     text += formatted(" +- %.1f (found)", body.sigma_rad / kDegree);
   }
