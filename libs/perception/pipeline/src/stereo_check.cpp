@@ -268,6 +268,8 @@ void StereoCheck::addOffsetAtGivenPoses(const stereo::OffsetEstimate& offset,
 std::optional<Finding> StereoCheck::compareRange(const StereoFrame& frame) {
   if (frame.camera == nullptr) return std::nullopt;
   const auto& camera = *frame.camera;
+  const double nearest_m = stereo::nearestMatched(camera, matching_);
+  if (!std::isfinite(nearest_m)) return std::nullopt;  // too narrow to be matched
   if (last_range_ && std::abs(frame.time - *last_range_) < kRange.interval_s) return std::nullopt;
   last_range_ = frame.time;
   stereo::DisparityParams coarse;
@@ -275,7 +277,6 @@ std::optional<Finding> StereoCheck::compareRange(const StereoFrame& frame) {
   coarse.nearest_m = kRange.nearest_m;
   coarse.uniqueness_percent = kRange.uniqueness_percent;
   const cv::Mat disparities = stereo::denseDisparity(frame, coarse).values;
-  const double nearest_m = stereo::nearestMatched(camera, matching_);
   const double limit = camera.fx * camera.baseline_m / nearest_m + coarse.reduce;
   std::vector<double> near;
   for (auto d = disparities.begin<float>(); d != disparities.end<float>(); ++d) {
