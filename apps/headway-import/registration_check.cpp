@@ -38,7 +38,8 @@ constexpr int kResampled = 40;
 constexpr double kFringeSigma_px = 1.0;  // of contours in depth images, common to all
 
 constexpr std::size_t indexOf(int shift, int growth, int fringe) {
-  return static_cast<std::size_t>((growth * kFringe.count() + fringe) * kShift.count() + shift);
+  const int index = (growth * kFringe.count() + fringe) * kShift.count() + shift;
+  return static_cast<std::size_t>(index);
 }
 const std::size_t kSums =
     static_cast<std::size_t>(kShift.count()) * kGrowth.count() * kFringe.count();

@@ -31,8 +31,8 @@ double edgeWidth(const cv::Mat& image, bool along_columns) {
     for (int i = 3; i + 3 < count; ++i, at += step) {
       const int a = at[-3 * step], b = at[-2 * step], c = at[-step], d = *at;
       const int e = at[step], f = at[2 * step], g = at[3 * step];
-      const int d1 = (g - a) + 4 * (f - b) + 5 * (e - c);
-      const int d2 = (a + g) + 2 * (b + f) - (c + e) - 4 * d;
+      const std::int64_t d1 = (g - a) + 4 * (f - b) + 5 * (e - c);
+      const std::int64_t d2 = (a + g) + 2 * (b + f) - (c + e) - 4 * d;
       first_of_line += d1 * d1;
       second_of_line += d2 * d2;
       const int d4 = std::abs(b + f - 4 * (c + e) + 6 * d);
