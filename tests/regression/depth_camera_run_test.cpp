@@ -78,5 +78,24 @@ TEST_F(DepthCameraRunTest, LocalisesInTheMapOfAnEarlierRun) {
   EXPECT_GT(again.summary.at("frames_tracked"), 28);
 }
 
+// A RealSense on a rolling robot, nothing moves: neighbouring depths err alike, and for a while.
+TEST(RealDepthCameraTest, NothingMovesInAStaticRoomAtAnyRate) {
+  HEADWAY_REQUIRE_DATA(data);
+  const std::string clip = (data / "rgbd/realsense_robot").string();
+  if (!std::filesystem::exists(clip)) GTEST_SKIP() << clip << " is missing";
+  const test::TemporaryFolder folder;
+  for (const char* rate : {"5", "10", "15", "30"}) {
+    const auto imported = test::runProcess(
+        test::program("headway-import") + " images -q -w --left " + clip + "/rgb --depth " + clip +
+        "/depth --calibration " + clip + "/calibration.yaml --rate " + rate + " -o " +
+        (folder / "room.rawlog").string());
+    ASSERT_EQ(0, imported.status) << imported.output;
+    const auto run = test::replay(folder / "room.rawlog", folder / "out",
+                                  "-w --snapshots 0 --detector stereo_motion");
+    ASSERT_EQ(0, run.process.status) << run.process.output;
+    EXPECT_EQ(0, run.summary.at("tracks_moving")) << rate << " Hz";
+  }
+}
+
 }  // namespace
 }  // namespace headway

@@ -301,8 +301,7 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
   for (const auto& cluster :
        clusterMotion(frame.points, frame.classes, frame.path, frame.up, params)) {
     const MeasuredVelocity velocity{cluster.velocity, cluster.velocity_covariance};
-    const double sigma = sigmaAlong(velocity.value, velocity.covariance);
-    if (velocity.value.norm() < params_.min_speed_mps + 2.0 * sigma) continue;
+    if (!isFast(velocity, frame.points[cluster.members.front()], frame)) continue;
     std::vector<Eigen::Vector3d> seeds;
     for (const std::size_t i : cluster.members)
       seeds.push_back(T_cam_world * frame.points[i].motion->point);
@@ -365,11 +364,20 @@ void MovingObjectFinder::addSegments(const MotionFrame& frame, std::vector<Segme
   }
 }
 
+bool MovingObjectFinder::isFast(const MeasuredVelocity& velocity, const PointTrack& at,
+                                const MotionFrame& frame) const {
+  const Eigen::Matrix3d drift = frame.drift.velocityCovariance(
+      at.observations.back().uvd, params_.window_s, frame.path, camera_);
+  const double sigma = sigmaAlong(velocity.value, velocity.covariance + drift);
+  return velocity.value.norm() >= params_.min_speed_mps + 2.0 * sigma;
+}
+
 // Velocity of a moving segment; nullopt if it may be static.
 std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrack& segment,
                                                                const MotionFrame& frame) const {
   SegmentMotionParams params;
   params.noise_scale = frame.noise_scale;
+  params.drift_px = frame.drift.at(segment.segment.uvd.z());
   // A segment cut out by its flow needs flow in a second frame: the first one selected it.
   const bool chosen = segment.segment.cut_by_flow;
   if (chosen && !areEnough(segment.across, params)) return std::nullopt;
@@ -391,7 +399,10 @@ std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrac
       !SegmentFollower::moves(segment, frame.up, pointClassParams(params_), params_.window_s)) {
     return std::nullopt;
   }
-  return MeasuredVelocity{overGround(outline->velocity, frame.up), outline->velocity_covariance};
+  const MeasuredVelocity velocity{overGround(outline->velocity, frame.up),
+                                  outline->velocity_covariance};
+  if (!isFast(velocity, segment.track, frame)) return std::nullopt;
+  return velocity;
 }
 
 // The box around the cells, if enough of the points inside it are moving.

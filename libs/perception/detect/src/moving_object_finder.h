@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "camera_path.h"
+#include "disparity_drift.h"
 #include "object_extent.h"
 #include "point_follower.h"
 #include "point_motion.h"
@@ -30,6 +31,7 @@ struct MotionFrame {
   const std::vector<PointTrack>& points;
   const std::vector<PointClass>& classes;  ///< one for each point
   double noise_scale = 1.0;                ///< true errors of observations over those assumed [-]
+  DisparityDrift drift = {};               ///< measured in the same images
 };
 
 /// A moving object as detected in one frame.
@@ -128,6 +130,9 @@ class MovingObjectFinder {
   void addClusters(const MotionFrame& frame, std::vector<MovingObject>& objects);
   void addSegments(const MotionFrame& frame, std::vector<SegmentTrack>& segments,
                    std::vector<MovingObject>& objects);
+  /// Whether a velocity is more than slow, its own errors and the drift of disparities explain.
+  [[nodiscard]] bool isFast(const MeasuredVelocity& velocity, const PointTrack& at,
+                            const MotionFrame& frame) const;
   [[nodiscard]] std::optional<MeasuredVelocity> velocityOf(const SegmentTrack& segment,
                                                            const MotionFrame& frame) const;
   [[nodiscard]] std::optional<ObjectExtent> plausibleExtent(const std::vector<ObjectCell>& cells,

@@ -192,7 +192,9 @@ Eigen::Matrix2d covarianceOf(const Pooled& pooled, const UprightSegment& segment
                              const CameraPath& path, const StereoCamera& camera,
                              const SegmentMotionParams& params) {
   const double depth = camera.fx * camera.baseline_m / segment.uvd.z();
-  const double along = params.common_disparity_px * depth / segment.uvd.z() / span;
+  const double common_px2 =
+      square(params.common_disparity_px / span) + square(params.drift_px) / span;
+  const double along = std::sqrt(common_px2) * depth / segment.uvd.z();
   const double across = params.common_px * depth / camera.fx / span;
   const double slip = params.common_ratio * speedOf(path);
   Eigen::Matrix2d covariance = pooled.information.inverse();

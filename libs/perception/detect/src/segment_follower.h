@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "disparity_drift.h"
 #include "point_follower.h"
 #include "point_motion.h"
 #include "upright_segments.h"
@@ -86,7 +87,8 @@ struct SegmentMotionParams {
   double speed_prior = 3.0;       ///< standard deviation of a segment's speed [m/s]
   double common_px = 0.3;         ///< drift of the camera's direction over the observations [px]
   double common_ratio = 0.01;     ///< errors of calibration and motion, of the camera's speed [-]
-  double common_disparity_px = 0.2;  ///< drift of a segment's disparity over them [px]
+  double common_disparity_px = kCommonDisparity_px;  ///< drift of a segment's disparity [px]
+  double drift_px = 0.0;  ///< more of it, measured, in a second: see DisparityDrift [px]
 };
 
 /// Whether flows are enough to be part of a segment's motion.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "appearance.h"
+#include "disparity_drift.h"
 #include "moving_object_finder.h"
 #include "point_follower.h"
 #include "residual_flow.h"
@@ -208,6 +209,7 @@ class StereoMotion::Implementation {
     const double agreeing = path_.refine(static_points);
     follower_.fitMotions(path_);
     noise_scale_.update(follower_.points(), path_.lastStep_s());
+    drift_.update(follower_.points(), path_, *camera_, noise_scale_.value());
     up_ = path_.T_cam_world(path_.newest()).linear().transpose() *
           (ground_ ? ground_->up : stereo::mountedUp(*camera_));
     dropMismatches();
@@ -242,10 +244,9 @@ class StereoMotion::Implementation {
 
   /// By motion alone first, then expected objects by less evidence.
   void detectObjects(const std::vector<ExpectedObject>& expected) {
-    const MotionFrame frame{path_,      image_,
-                            disparity_, ground_,
-                            up_,        follower_.points(),
-                            classes_,   noise_scale_.value()};
+    const MotionFrame frame{
+        path_, image_, disparity_, ground_, up_, follower_.points(), classes_, noise_scale_.value(),
+        drift_};
     std::vector<MovingObject> objects = finder_.find(frame, segments_.tracks());
     joinPieces(frame, *camera_, objects);
     setGroups(objects);
@@ -330,6 +331,7 @@ class StereoMotion::Implementation {
   SegmentFollower segments_;
   MovingObjectFinder finder_;
   NoiseScale noise_scale_;
+  DisparityDrift drift_;
   std::vector<PointClass> classes_;                      ///< one for each followed point
   std::vector<stereo::OffsetEvidence> offset_evidence_;  ///< of the newest frame
   bool tested_ = false;                                  ///< for objects, the newest frame
