@@ -165,6 +165,14 @@ TEST(MeasurementModelTest, CountsBoxesTooFarAway) {
   EXPECT_THAT(measure({seenCar(51.0, 0.0)}, selection).dropped, ElementsAre(Pair("too_far", 1u)));
 }
 
+TEST(MeasurementModelTest, CountsBoxesBeyondWhatIsMeasured) {
+  ConsistencyParams selection;
+  selection.max_depth_m = 8.0;
+  const auto measured = measure({seenCar(7.9, 5.0), seenCar(8.1, 0.0)}, selection);
+  EXPECT_EQ(measured.boxes.size(), 1u) << "a depth is along the optical axis";
+  EXPECT_THAT(measured.dropped, ElementsAre(Pair("too_far", 1u)));
+}
+
 TEST(MeasurementModelTest, CountsLowScores) {
   ConsistencyParams selection;
   selection.min_score = 0.5;

@@ -243,6 +243,20 @@ TEST(MovingObjectTrackerTest, CoastsAlongWhileAnObjectIsHiddenForAMoment) {
   }
 }
 
+TEST(MovingObjectTrackerTest, DoesNotCoastBeyondTheRangeThatIsMeasuredOrAllowed) {
+  for (const bool is_measured : {true, false}) {
+    ObjectsParams params;
+    auto& bound = is_measured ? params.consistency.max_depth_m : params.consistency.max_range_m;
+    bound = 24.5;
+    Replay replay(params);
+    for (int k = 0; k < 20; ++k) replay.frame({seenCar(5 + 1.0 * k, 0)});
+    EXPECT_EQ(replay.last.tracks.size(), 1u) << "24 m away";
+    replay.frame({});
+    EXPECT_THAT(replay.last.tracks, IsEmpty()) << "25 m away";
+    EXPECT_THAT(replay.last.detections_dropped, ElementsAre(Pair("track_too_far", 1u)));
+  }
+}
+
 TEST(MovingObjectTrackerTest, ATrackThatCoastsStartsWhereItWasShown) {
   Replay replay;
   std::mt19937 random(4);

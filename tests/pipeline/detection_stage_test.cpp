@@ -225,6 +225,31 @@ TEST(DetectionStageTest, UnusableFramesAreCounted) {
   EXPECT_EQ((DropCounts{{"unusable_image", 1}}), found.dropped);
 }
 
+TEST(PerceptionTest, RangesBindWhicheverDetector) {
+  const PaintedStreet street({kParked});
+  auto depth_camera = std::make_shared<StereoCamera>(*street.camera());
+  depth_camera->depth_reach_m = 14.0;
+  for (const bool is_allowed : {true, false}) {
+    PerceptionParams params;
+    params.detection.detector = "recorded";
+    if (is_allowed) params.detection.detect.stereo_motion.max_range_m = 14.0;
+    Perception perception(is_allowed ? street.camera() : depth_camera, params);
+    for (int i = 0; i < 3; ++i) {
+      RecordedFrame frame;  // boxes and poses alone
+      frame.index = static_cast<std::size_t>(i);
+      frame.time = street.timeOf(i);
+      frame.T_map_robot = street.T_map_robot(i);
+      Detection far;
+      far.object_class = ObjectClass::kCar;
+      far.box3d = Box3d{{0.0, 1.0, 15.0}, 4.0, 1.8, 1.5, 0.0};
+      frame.detections = recorded(street, i, {far});
+      const auto update = perception.process(frame);
+      EXPECT_TRUE(update.objects.tracks.empty());
+      EXPECT_EQ(1u, update.objects.detections_dropped.at("too_far")) << i;
+    }
+  }
+}
+
 TEST(PerceptionTest, ImagesAloneGiveTracksOfMovingObjects) {
   const PaintedStreet street({kMoving, kParked});
   PerceptionParams params;

@@ -58,7 +58,9 @@ const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
   const Box3d& box = *detection.box3d;
   if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
   if (!(box.centre.z() > 0.0)) return "behind_camera";
-  if (box.centre.norm() > selection_.max_range_m) return "too_far";
+  const bool is_beyond =
+      box.centre.norm() > selection_.max_range_m || box.centre.z() > selection_.max_depth_m;
+  if (is_beyond) return "too_far";
   return nullptr;
 }
 

@@ -189,7 +189,14 @@ class MovingObjectTracker::Implementation {
   }
 
   TrackUpdate publish(std::size_t frame, Time time, TrackUpdate update) {
-    const auto shown = distinctObjects(time);
+    auto shown = distinctObjects(time);
+    const auto beyond = std::remove_if(shown.begin(), shown.end(), [&](const auto* object) {
+      return isBeyondRange(object->position());
+    });
+    if (beyond != shown.end()) {
+      update.detections_dropped["track_too_far"] += std::distance(beyond, shown.end());
+    }
+    shown.erase(beyond, shown.end());
     std::vector<std::vector<PredictedPath>> predictions(shown.size());
     for (std::size_t i = 0; i < shown.size(); ++i) {
       if (shown[i]->statusAt(time) == TrackStatus::kTentative) continue;
@@ -209,6 +216,13 @@ class MovingObjectTracker::Implementation {
       track.predictions = std::move(predictions[i]);  // 8 kB
     }
     return update;
+  }
+
+  /// Whether nothing may be said of a place in the map: tracks coast, and their boxes are smoothed.
+  [[nodiscard]] bool isBeyondRange(const Eigen::Vector3d& place) const {
+    const Eigen::Vector3d seen = view_.inSensor(place);
+    return seen.norm() > params_.consistency.max_range_m ||
+           seen.z() > params_.consistency.max_depth_m;
   }
 
   /// The objects that are published, one for each real one.

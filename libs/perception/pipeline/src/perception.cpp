@@ -386,13 +386,27 @@ class Perception::Implementation {
   double max_box_range_m_ = RuntimeParams().max_box_range_m;
 };
 
+/// Bounds all objects, whichever detector found them, by what a depth camera measures and by the
+/// range that the user allows.
+static objects::ObjectsParams withinReach(const PerceptionParams& params,
+                                          const StereoCamera* camera) {
+  objects::ObjectsParams bounded = params.objects;
+  double& max_depth_m = bounded.consistency.max_depth_m;
+  const double allowed_m = params.detection.detect.stereo_motion.max_range_m;
+  if (allowed_m > 0.0) max_depth_m = std::min(max_depth_m, allowed_m);
+  if (camera != nullptr && camera->isDepthCamera()) {
+    max_depth_m = std::min(max_depth_m, camera->depth_reach_m);
+  }
+  return bounded;
+}
+
 Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
                                            const PerceptionParams& params, map::PerceptionMap map)
     : camera(std::move(rig)),
       health(camera, validated(params).slam.max_speed_mps, params.detection.detect.disparity),
       localisation(camera, params),
       detection(camera, params.detection),
-      tracker(params.objects),
+      tracker(withinReach(params, camera.get())),
       mapping(camera, params, std::move(map)) {}
 
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,

@@ -6,12 +6,17 @@
 #include <headway/objects/per_class.h>
 #include <headway/objects/predictor.h>
 
+#include <limits>
+
 namespace headway::objects {
 
 /// Selection of detections and their assignment to tracks (Sec. III-C3).
 struct ConsistencyParams {
-  double min_score = -1000.0;               ///< of a detection that is used [detector's scale]
-  double max_range_m = 200.0;               ///< of a detection that is used [m]
+  double min_score = -1000.0;  ///< of a detection that is used [detector's scale]
+  double max_range_m = 200.0;  ///< of a detection that is used [m]
+  /// Of detections that are used and tracks that are shown, by what is measured [m]; not
+  /// configured.
+  double max_depth_m = std::numeric_limits<double>::infinity();
   bool track_unknown = true;                ///< also detections of unknown class
   double gate_sigma = 4.0;                  ///< radius of the gate [standard deviations]
   double new_object_density_per_m2 = 0.01;  ///< density of new objects and false alarms [1/m^2]
