@@ -22,7 +22,7 @@ constexpr std::size_t kMinPoints = 3;   // as clusters and segments need
 constexpr double kMinSpan_s = 0.25;     // of observations, as of those of segments
 constexpr double kQuantile = 0.3;       // two of five patches may move before half of it is wrong
 constexpr double kChiAtQuantile = 0.1485;  // chi-square of 1 degree of freedom
-constexpr double kGain = 0.1;              // of a patch on the logarithm of a variance, in 0.1 s
+constexpr double kGain = 0.25;             // of a patch on the logarithm of a variance, in 0.1 s
 constexpr double kOfNextOctave = 0.25;     // weight of a patch, for disparities twice its own
 
 /// A surface of a person's size at one depth.
