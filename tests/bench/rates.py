@@ -22,7 +22,6 @@ FIGURES = {
 # (figure, rate): the physical limit that the table names instead of a failure.
 LIMITS = {
     ("ATE [m]", 5): "twice the motion between frames",
-    ("lost frames [s]", 5): "turns of 18 degrees between frames at 90 degrees/s",
 }
 MAX_WORSE = 1.15
 REFERENCE_HZ = 10

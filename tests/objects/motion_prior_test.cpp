@@ -4,6 +4,7 @@
 #include <ceres/ceres.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <random>
 
 namespace headway::objects {
@@ -102,6 +103,46 @@ TEST_P(EveryPriorTest, EndsWhereNoPlaceCanBeBettered) {
         }
       }
     }
+  }
+}
+
+TEST(MotionPriorTest, StiffPriorsAndCorrelatedErrorsAreSolvedExactly) {
+  constexpr std::size_t kPlaces = 62;  // two seconds at 30 Hz
+  constexpr double kStiffness = 1e6;   // of neighbours against a measurement there
+  BandedSystem<2> banded;
+  banded.reset(kPlaces);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(2 * kPlaces, 2 * kPlaces);
+  const auto add = [&](std::size_t row, std::size_t column, const Eigen::Matrix2d& block) {
+    auto& blocks = row == column       ? banded.diagonal
+                   : row == column + 1 ? banded.first
+                                       : banded.second;
+    blocks[column] += block;
+    const auto r = static_cast<Eigen::Index>(2 * row), c = static_cast<Eigen::Index>(2 * column);
+    dense.block<2, 2>(r, c) += block;
+    if (row != column) dense.block<2, 2>(c, r) += block.transpose();
+  };
+  const Eigen::Matrix2d information = (Eigen::Matrix2d() << 50.0, 5.0, 5.0, 10.0).finished();
+  for (std::size_t j = 0; j < kPlaces; ++j) add(j, j, information);
+  const double second_difference[] = {1.0, -2.0, 1.0};
+  for (std::size_t j = 0; j + 2 < kPlaces; ++j) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b <= a; ++b) {
+        const double weight = kStiffness * second_difference[a] * second_difference[b];
+        add(j + a, j + b, weight * Eigen::Matrix2d::Identity());
+      }
+    }
+  }
+  Eigen::VectorXd right(2 * kPlaces);
+  for (std::size_t j = 0; j < kPlaces; ++j) {
+    banded.right[j] << std::sin(1.0 * static_cast<double>(j)),
+        std::cos(2.0 * static_cast<double>(j));
+    right.segment<2>(static_cast<Eigen::Index>(2 * j)) = banded.right[j];
+  }
+  const Eigen::VectorXd expected = dense.ldlt().solve(right);
+  banded.solve();
+  for (std::size_t j = 0; j < kPlaces; ++j) {
+    const auto row = static_cast<Eigen::Index>(2 * j);
+    EXPECT_LT((banded.right[j] - expected.segment<2>(row)).norm(), 1e-6 * expected.norm()) << j;
   }
 }
 

@@ -151,11 +151,6 @@ void MotionPriorProblem::addMeasurements(const std::vector<Eigen::Vector3d>& pla
     const double weight = huberWeight(squared, outlier_sigma_);
     horizontal_.diagonal[j] = weight * m.information;
     vertical_.diagonal[j](0) = weight * m.vertical_information;
-    if (weight <
-        1.0) {  // Huber's loss is linear along the residual: no curvature in that direction
-      const Eigen::Vector2d pull = m.information * e.head<2>();
-      horizontal_.diagonal[j] -= weight / squared * pull * pull.transpose();
-    }
     slope_[j].head<2>() = weight * m.information * e.head<2>();
     slope_[j].z() = weight * m.vertical_information * e.z();
   }
@@ -186,7 +181,6 @@ void MotionPriorProblem::addPrior() {
   }
 }
 
-// Gauss-Newton: the weight of an outlier is taken as constant.
 void MotionPriorProblem::addStepCurvature(const std::vector<Eigen::Vector3d>& places) {
   for (const Step& step : steps_) {
     const Eigen::Matrix2d curvature = stepWeight(step, stepError(step, places)) * step.information;
@@ -196,7 +190,7 @@ void MotionPriorProblem::addStepCurvature(const std::vector<Eigen::Vector3d>& pl
   }
 }
 
-void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
+void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places,
                                    std::vector<Eigen::Vector3d>& step) {
   const std::size_t n = places.size();
   horizontal_.reset(n);
@@ -204,10 +198,6 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
   addMeasurements(places);
   addPrior();
   addStepCurvature(places);
-  for (std::size_t j = 0; j < n; ++j) {
-    horizontal_.diagonal[j].diagonal() *= 1.0 + damping;
-    vertical_.diagonal[j] *= 1.0 + damping;
-  }
   horizontal_.solve();
   vertical_.solve();
   for (std::size_t j = 0; j < n; ++j) step[j] << horizontal_.right[j], vertical_.right[j];
@@ -215,34 +205,26 @@ void MotionPriorProblem::solveStep(const std::vector<Eigen::Vector3d>& places, d
 
 MotionPriorProblem::Summary MotionPriorProblem::refine(std::vector<Eigen::Vector3d>& places,
                                                        int max_iterations, double tolerance_m) {
-  constexpr double kMaxDamping = 1e6;
-  constexpr double kNoDamping = 1e-9;
   Value value = evaluate(places);
   Summary summary;
   summary.initial_cost = summary.final_cost = value.cost;
-  double damping = kNoDamping;
   step_.resize(places.size());
   candidate_.resize(places.size());
-  while (summary.iterations < max_iterations && damping < kMaxDamping) {
+  while (summary.iterations < max_iterations) {
     ++summary.iterations;
-    solveStep(places, damping, step_);
+    solveStep(places, step_);
     double farthest = 0.0;
     for (std::size_t j = 0; j < places.size(); ++j) {
       candidate_[j] = places[j] + step_[j];
       farthest = std::max(farthest, step_[j].squaredNorm());
     }
     const Value next = evaluate(candidate_);
-    if (!(next.cost <= summary.final_cost)) {
-      damping = 10.0 * std::max(damping, 1e-6);
-      continue;
-    }
-
+    if (!(next.cost <= summary.final_cost)) break;  // by rounding: it is at the minimum
     // The places of which the cost is quadratic are convex: such a step ends at the minimum.
-    const bool is_minimum = value.is_quadratic && next.is_quadratic && damping <= kNoDamping;
+    const bool is_minimum = value.is_quadratic && next.is_quadratic;
     places.swap(candidate_);
     value = next;
     summary.final_cost = next.cost;
-    damping *= 0.1;
     if (is_minimum || farthest <= tolerance_m * tolerance_m) break;
   }
   return summary;

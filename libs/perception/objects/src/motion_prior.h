@@ -5,8 +5,8 @@
 #include <headway/core/pose.h>
 #include <headway/objects/objects_params.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <optional>
 #include <vector>
 
@@ -42,7 +42,8 @@ class BandedSystem {
   void solve() {
     const std::size_t n = diagonal.size();
     for (std::size_t i = 0; i < n; ++i) {
-      const Block inverse = diagonal[i].inverse();
+      // Of one triangle: what rounding leaves of an asymmetry would grow from block to block.
+      const Block inverse = diagonal[i].llt().solve(Block::Identity());
       if (i + 1 < n) {
         const Block scaled = first[i] * inverse;
         diagonal[i + 1] -= scaled * first[i].transpose();
@@ -95,8 +96,8 @@ struct PriorStiffness {
 /// and (7) are not the derivative of (5). Here the data term is added, and the derivative is
 /// +- w dP / dt. rho is Huber's loss, which limits the effect of an outlier.
 ///
-/// Levenberg-Marquardt is hand-written because Ceres' TinySolver solves a dense system, cubic in
-/// the length of the window, and has no robust loss.
+/// Iteratively reweighted least squares are hand-written because Ceres' TinySolver solves a dense
+/// system, cubic in the length of the window, and has no robust loss.
 ///
 /// @see Vo et al. 2016, "Spatiotemporal bundle adjustment for dynamic 3D reconstruction"
 class MotionPriorProblem {
@@ -124,7 +125,10 @@ class MotionPriorProblem {
     double final_cost = 0.0;
   };
 
-  /// Levenberg-Marquardt from `places`, which it overwrites with the minimum.
+  /// Iteratively reweighted least squares from `places`, which it overwrites with the minimum. The
+  /// weights of outliers are constant in each step, so that the cost never rises (Holland & Welsch
+  /// 1977): Newton's steps would need damping, which ends long before the minimum where the prior
+  /// is stiff, at 30 Hz.
   ///
   /// @param tolerance_m  converged when no place moves farther in one step [m]
   Summary refine(std::vector<Eigen::Vector3d>& places, int max_iterations, double tolerance_m);
@@ -170,9 +174,8 @@ class MotionPriorProblem {
   void addMeasurements(const std::vector<Eigen::Vector3d>& places);
   /// Adds the prior's Hessian.
   void addPrior();
-  /// Solves (H + damping diag H) step = -gradient.
-  void solveStep(const std::vector<Eigen::Vector3d>& places, double damping,
-                 std::vector<Eigen::Vector3d>& step);
+  /// Solves H step = -gradient.
+  void solveStep(const std::vector<Eigen::Vector3d>& places, std::vector<Eigen::Vector3d>& step);
 
   const std::vector<PlaceMeasurement>* measurements_ = nullptr;  ///< not null once it is set
   double outlier_sigma_ = 0.0;

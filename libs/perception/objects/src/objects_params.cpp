@@ -132,9 +132,9 @@ void SmoothingParams::describe(Params::Section section) {
               "Smooth each new position with its predecessors, as in the paper");
   section.add("gaussian_sigma_s", gaussian_sigma_s, 0.001, 10.0, "s", "Width of that smoothing");
   section.add("max_smoother_iterations", max_iterations, 1, 1000, "",
-              "Maximum iterations of Levenberg-Marquardt");
+              "Maximum iterations of reweighted least squares");
   section.add("smoother_tolerance_m", tolerance_m, 1e-12, 1.0, "m",
-              "Change of positions below which Levenberg-Marquardt has converged");
+              "Change of positions below which they have converged");
 }
 
 void LifecycleParams::describe(Params::Section section) {

@@ -96,7 +96,7 @@ struct SmoothingParams {
   double outlier_sigma = 3.0;         ///< residual from which the Huber loss is linear [-]
   bool gaussian_smoothing = false;    ///< smooth each new position over its predecessors (paper)
   double gaussian_sigma_s = 0.1;      ///< width of that smoothing [s]
-  int max_iterations = 10;            ///< of Levenberg-Marquardt
+  int max_iterations = 10;            ///< of reweighted least squares
   double tolerance_m = 0.001;         ///< change of positions below which it has converged [m]
 
   void describe(Params::Section section);
