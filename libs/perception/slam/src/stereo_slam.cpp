@@ -76,7 +76,7 @@ class StereoSlam::Implementation {
       odometry_since_tracked_.add(frame.motion_prior);
       turns_known_ = turns_known_ && params_.use_imu && frame.motion_prior.R_previous_current;
       current = makeTrackingFrame(context, moving, *camera_, params_);
-      if (!is_frozen && !is_held) tracked = track(context, current);
+      if (!is_frozen && !is_held) tracked = track(context, current, moving);
     }
     const auto watch = times_.watch("slam_map");
     SlamUpdate update = is_held     ? held()
@@ -169,7 +169,7 @@ class StereoSlam::Implementation {
  private:
   /// Tracks from the last pose, or else relocalises in the whole map.
   std::optional<TrackedPose> track(const stereo::FrameContext& context,
-                                   const TrackingFrame& current) {
+                                   const TrackingFrame& current, const MovingRegions& moving) {
     relocalised_ = false;
     if (!reference_) {
       initialiseMotion(context);
@@ -191,11 +191,11 @@ class StereoSlam::Implementation {
       tracked = tracker_.track(previous_, seen_before_, current, proposed, initial_poses,
                                local_landmarks_, active_submap_.isNew(rate_), map_);
     }
-    if (!tracked && !current.excluded.empty()) {
-      // Regions of objects leave too little in view. Landmarks are none of theirs.
-      TrackingFrame whole = current;
-      whole.excluded.release();
-      tracked = tracker_.track(previous_, seen_before_, whole, proposed, initial_poses,
+    if (!tracked && !current.excluded.empty() && !moving.boxes.empty()) {
+      // Boxes leave too little in view. They contain static background, of which the landmarks are.
+      TrackingFrame without_boxes = current;
+      without_boxes.excluded = moving.mask;
+      tracked = tracker_.track(previous_, seen_before_, without_boxes, proposed, initial_poses,
                                local_landmarks_, active_submap_.isNew(rate_), map_);
     }
     if (tracked) return tracked;
