@@ -16,6 +16,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
+#include <vector>
 
 #include "foreign_recording.h"
 #include "processes.h"
@@ -283,7 +284,7 @@ TEST_F(RecordingCheckTest, ColourAndDepthThatAreOutOfRegisterAreMeasured) {
         std::regex("(\\w+) +registration: depth fits colour if moved by ([+-]\\d+) \\+- \\d+ mm "
                    "right, ([+-]\\d+) \\+- \\d+ mm down, and grown by ([+-][0-9.]+) ")))
         << output;
-    return match;
+    return std::vector<std::string>(match.begin(), match.end());
   };
   const auto good = registration(0.0, 0.0);
   EXPECT_EQ("ok", good[1]);
