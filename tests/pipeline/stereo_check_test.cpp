@@ -59,12 +59,7 @@ void expectPersistent(const Findings& findings, const char* name) {
   }
 }
 
-TEST(StereoCheckTest, AGoodPairGivesNoWarning) {
-  EXPECT_TRUE(findingsOf(pairOf(0.0)).empty());
-  EXPECT_TRUE(findingsOf(pairOf(0.5)).empty()) << "within the error of a calibration";
-}
-
-TEST(StereoCheckTest, ASceneNearerThanWhatIsMatchedIsSaid) {
+std::shared_ptr<const StereoCamera> calibrated() {
   auto camera = std::make_shared<StereoCamera>();
   camera->width = 640;
   camera->height = 400;
@@ -72,6 +67,16 @@ TEST(StereoCheckTest, ASceneNearerThanWhatIsMatchedIsSaid) {
   camera->cx = 319.5;
   camera->cy = 199.5;
   camera->baseline_m = 0.2;
+  return camera;
+}
+
+TEST(StereoCheckTest, AGoodPairGivesNoWarning) {
+  EXPECT_TRUE(findingsOf(pairOf(0.0)).empty());
+  EXPECT_TRUE(findingsOf(pairOf(0.5)).empty()) << "within the error of a calibration";
+}
+
+TEST(StereoCheckTest, ASceneNearerThanWhatIsMatchedIsSaid) {
+  const auto camera = calibrated();
   const auto findingsAt = [&](int disparity, double nearest_m) {
     const cv::Mat image = texture();
     stereo::DisparityParams matching;
@@ -106,13 +111,7 @@ TEST(StereoCheckTest, ACameraMovedInItsMountingIsNamedWithinASecond) {
 }
 
 TEST(StereoCheckTest, WithACalibrationItIsCorrectedAtOnceAndStillNamed) {
-  auto camera = std::make_shared<StereoCamera>();
-  camera->width = 640;
-  camera->height = 400;
-  camera->fx = camera->fy = 500.0;
-  camera->cx = 319.5;
-  camera->cy = 199.5;
-  camera->baseline_m = 0.2;
+  const auto camera = calibrated();
   StereoFrame frame = pairOf(3.0);
   frame.camera = camera;
   StereoCheck check;
