@@ -275,29 +275,31 @@ void RawlogSink::writeOdometry(Time time, double x, double y, double yaw) {
   writer_->write(observation);
 }
 
-void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
-                          const Eigen::Vector3d& acceleration) {
-  using namespace mrpt::obs;  // names of the IMU's fields
-  CObservationIMU observation;
-  observation.timestamp = mrptTime(time);
-  observation.sensorLabel = "imu";
-  observation.set(IMU_WX, angular_velocity.x());
-  observation.set(IMU_WY, angular_velocity.y());
-  observation.set(IMU_WZ, angular_velocity.z());
-  observation.set(IMU_X_ACC, acceleration.x());
-  observation.set(IMU_Y_ACC, acceleration.y());
-  observation.set(IMU_Z_ACC, acceleration.z());
-  writer_->write(observation);
-}
+namespace {
 
-void RawlogSink::writeAcceleration(Time time, const Eigen::Vector3d& acceleration) {
+mrpt::obs::CObservationIMU accelerationAt(Time time, const Eigen::Vector3d& acceleration) {
   mrpt::obs::CObservationIMU observation;
   observation.timestamp = mrptTime(time);
   observation.sensorLabel = "imu";
   observation.set(mrpt::obs::IMU_X_ACC, acceleration.x());
   observation.set(mrpt::obs::IMU_Y_ACC, acceleration.y());
   observation.set(mrpt::obs::IMU_Z_ACC, acceleration.z());
+  return observation;
+}
+
+}  // namespace
+
+void RawlogSink::writeImu(Time time, const Eigen::Vector3d& angular_velocity,
+                          const Eigen::Vector3d& acceleration) {
+  auto observation = accelerationAt(time, acceleration);
+  observation.set(mrpt::obs::IMU_WX, angular_velocity.x());
+  observation.set(mrpt::obs::IMU_WY, angular_velocity.y());
+  observation.set(mrpt::obs::IMU_WZ, angular_velocity.z());
   writer_->write(observation);
+}
+
+void RawlogSink::writeAcceleration(Time time, const Eigen::Vector3d& acceleration) {
+  writer_->write(accelerationAt(time, acceleration));
 }
 
 void RawlogSink::writeTimesAssumed(Time time) {
