@@ -194,5 +194,11 @@ TEST_F(ReportTest, CountsThatNoMachineReachesAreLimited) {
   EXPECT_THAT(page(), HasSubstr("1\u202f000\u202f000\u202f000\u202f000\u202f000<i> landmarks"));
 }
 
+TEST_F(ReportTest, PosesWhoseTimesGoBackHaveNoSpeed) {
+  std::ofstream(folder / "summary.json") << summary;
+  std::ofstream(folder / "trajectory.tum") << "5 0 0 0 0 0 0 1\n0.2 1e60 0 0 0 0 0 1\n";
+  EXPECT_THAT(test::contentsOf(writeReport(folder.path())), HasSubstr("<b>max. 0.0\u202fm/s</b>"));
+}
+
 }  // namespace
 }  // namespace headway::report

@@ -300,7 +300,7 @@ std::string areaPlot(const std::string& title, const std::string& max_text,
 std::vector<double> speedsOf(const std::vector<Stamped<Pose>>& path) {
   std::vector<double> speeds;
   for (std::size_t i = 0, first = 0; i < path.size(); ++i) {
-    while (path[i].time - path[first + 1].time >= 1.0) ++first;
+    while (first + 1 < i && path[i].time - path[first + 1].time >= 1.0) ++first;
     const double time = path[i].time - path[first].time;
     const double way = (path[i].value.translation() - path[first].value.translation()).norm();
     speeds.push_back(time > 0.0 ? way / time : 0.0);
