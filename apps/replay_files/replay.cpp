@@ -143,12 +143,11 @@ Replay::Replay(const Options& options, std::unique_ptr<run::Source> source,
     : options_(options),
       configuration_(program::textOf(params)),
       source_(std::move(source)),
-      camera_(source_->camera()),
-      perception_(
-          makePerception(options, camera_, perceptionParams(options, perception_params), gnss_)),
+      perception_(makePerception(options, source_->camera(),
+                                 perceptionParams(options, perception_params), gnss_)),
       folder_(options.output, options.overwrite,
               {options.input, options.detections, options.load_map}, isResult),
-      writers_(folder_.path(), camera_),
+      writers_(folder_.path()),
       checkpoint_(
           folder_.path(), options.checkpoint_s, [this] { return checkpointContents(); },
           [this](const std::string& text) { warn(text); }),
@@ -166,7 +165,7 @@ Replay::Replay(const Options& options, std::unique_ptr<run::Source> source,
   if (summary_.calibration && !options_.quiet) printCalibration(*summary_.calibration);
   summary_.rig = perception_->rig();
   if (summary_.rig && !options_.quiet) std::puts(stereo::describe(*summary_.rig).c_str());
-  if (camera_ != nullptr) io::writeCalibration(folder_.path() / "calibration.yaml", *camera_);
+  writeCalibration();
   summary_.detector = perception_params.detection.detector;
   for (const auto& name : pipeline::imageDetectors(perception_params.detection)) {
     summary_.image_detectors += (summary_.image_detectors.empty() ? "" : "+") + name;
@@ -185,11 +184,18 @@ void Replay::prepare(RecordedFrame& frame) {
   const auto side = side_detections_.find(frame.index);
   frame.detections = side != side_detections_.end() ? side->second : Detections();
   frame.detections->time = frame.time;
-  frame.detections->T_robot_sensor = robotFromCamera();
+  const auto camera = source_->camera();  // as the other boxes of the recording
+  frame.detections->T_robot_sensor = camera != nullptr ? camera->T_robot_cam : robotFromOptical();
 }
 
 Pose Replay::robotFromCamera() const {
-  return camera_ != nullptr ? camera_->T_robot_cam : robotFromOptical();
+  const auto camera = perception_->camera();
+  return camera != nullptr ? camera->T_robot_cam : robotFromOptical();
+}
+
+void Replay::writeCalibration() const {
+  const auto camera = perception_->camera();
+  if (camera != nullptr) io::writeCalibration(folder_.path() / "calibration.yaml", *camera);
 }
 
 void Replay::onFrame(const run::FrameResult& result, pipeline::Perception& perception) {
@@ -204,7 +210,7 @@ void Replay::onFrame(const run::FrameResult& result, pipeline::Perception& perce
   if (!result.load_change.empty()) {
     warn("frame " + std::to_string(frame.index) + ": " + result.load_change);
   }
-  writers_.write(result.update);
+  writers_.write(result.update, perception.camera().get());
   keepLostImage(frame, result.update);
   const bool is_live = options_.realtime > 0.0;  // and fuses the dense map all the time
   if (!is_live && snapshots_.isDue(result.source.progress)) perception.updateDenseMap();
@@ -328,9 +334,10 @@ map::StoredMap Replay::storedMap() const {
 }
 
 void Replay::writeRecord(const pipeline::DetectionParams& detection, const Params& params) {
-  const std::string model = camera_ != nullptr ? pipeline::modelInUse(detection) : "";
+  const bool has_camera = perception_->camera() != nullptr;
+  const std::string model = has_camera ? pipeline::modelInUse(detection) : "";
   writeRunRecord(folder_.path() / "replay.json", options_, params, summary_.rig, model);
-  if (camera_ != nullptr && model.empty() && pipeline::wouldUseModel(detection)) {
+  if (has_camera && model.empty() && pipeline::wouldUseModel(detection)) {
     log(LogLevel::kInfo,
         "detector: without a network (doc/detectors.md says where to get one; check it by "
         "headway-replay --check-model FILE, use it by --set dnn.model=FILE or $HEADWAY_MODELS)");
@@ -376,6 +383,7 @@ void Replay::onComplete(pipeline::Perception& perception) {
     if (T_map_run_) moveOnlineResults(folder_.path(), *T_map_run_);
   });
   attempt([&] { writeTrajectory(); });
+  attempt([&] { writeCalibration(); });
   if (!failure) attempt([&] { writeGeoFiles(); });
   attempt([&] { writeMap(); });
   warnIfNotRelocalised();
@@ -406,6 +414,7 @@ Summary Replay::summarised() const {
   for (const auto& [id, seen] : seen_tracks_) summary.tracks_moving += seen.was_moving ? 1 : 0;
   summary.stages.merge(perception_->times());
   summary.laser = perception_->laserCounts();
+  summary.rig = perception_->rig();
   summary.rectification = perception_->rectification().value_or("");
   if (const auto skipped = source_->report().skipped) summary.observations_skipped = *skipped;
   summary.total_s = secondsSinceProcessStart();

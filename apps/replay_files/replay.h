@@ -94,6 +94,8 @@ class Replay : private run::Sink {
   /// Measures the start-up, and replaces the boxes by those of a side file.
   void prepare(RecordedFrame& frame);
   [[nodiscard]] Pose robotFromCamera() const;
+  /// The camera with its mounting so far.
+  void writeCalibration() const;
   void count(const RecordedFrame& frame, const pipeline::PerceptionUpdate& update);
   /// Counts a frame, and those that are missing before it.
   void countFrame(std::size_t frame, slam::TrackingStatus status);
@@ -124,7 +126,6 @@ class Replay : private run::Sink {
   Options options_;
   std::string configuration_;  ///< as .ini text
   std::unique_ptr<run::Source> source_;
-  std::shared_ptr<const StereoCamera> camera_;
   GnssLog gnss_;
   std::unique_ptr<pipeline::Perception> perception_;
   std::map<std::size_t, Detections> side_detections_;

@@ -170,9 +170,8 @@ bool isResult(const fs::path& file) {
   return names.count(std::regex_replace(file.string(), submap, "$1$2")) > 0;
 }
 
-FrameWriters::FrameWriters(const fs::path& folder, std::shared_ptr<const StereoCamera> camera)
-    : camera_(std::move(camera)),
-      folder_(folder),
+FrameWriters::FrameWriters(const fs::path& folder)
+    : folder_(folder),
       trajectory_(open("trajectory_online.tum")),
       odometry_(open("trajectory_odom.tum")),
       map_odom_(open("map_odom.csv", io::mapOdomCsvHeader())),
@@ -196,27 +195,27 @@ std::vector<fs::path> FrameWriters::paths() const {
   return paths;
 }
 
-void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
-  const slam::SlamUpdate& camera = update.camera;
-  if (slam::isTracked(camera.status)) {
-    io::writeTumRow(trajectory_, {update.time, camera.T_map_robot});
+void FrameWriters::write(const pipeline::PerceptionUpdate& update, const StereoCamera* camera) {
+  const slam::SlamUpdate& pose = update.camera;
+  if (slam::isTracked(pose.status)) {
+    io::writeTumRow(trajectory_, {update.time, pose.T_map_robot});
     writeCovariance(update, covariance_);
   }
-  io::writeTumRow(odometry_, {update.time, camera.T_odom_robot});
-  io::writeMapOdomCsv(map_odom_, {update.frame, update.time, camera.T_map_odom,
-                                  camera.revision.number, slam::toString(camera.revision.cause)});
+  io::writeTumRow(odometry_, {update.time, pose.T_odom_robot});
+  io::writeMapOdomCsv(map_odom_, {update.frame, update.time, pose.T_map_odom, pose.revision.number,
+                                  slam::toString(pose.revision.cause)});
   if (update.detections) {
     for (const auto& detection : update.detections->items) {
       if (!isFinite(detection)) continue;  // counted by the tracker as nan_box
       io::writeDetectionCsv(detections_, update.frame, detection);
     }
   }
-  const Pose T_robot_sensor = update.detections    ? update.detections->T_robot_sensor
-                              : camera_ != nullptr ? camera_->T_robot_cam
-                                                   : robotFromOptical();
-  const Pose T_sensor_map = (camera.T_map_robot * T_robot_sensor).inverse();
+  const Pose T_robot_sensor = update.detections   ? update.detections->T_robot_sensor
+                              : camera != nullptr ? camera->T_robot_cam
+                                                  : robotFromOptical();
+  const Pose T_sensor_map = (pose.T_map_robot * T_robot_sensor).inverse();
   for (const auto& track : update.objects.tracks) {
-    if (isShown(track)) writeTrack(update, track, T_sensor_map);
+    if (isShown(track)) writeTrack(update, track, T_sensor_map, camera);
   }
   for (const auto& track : update.tracks_odom) {
     if (isShown(track)) {
@@ -228,9 +227,9 @@ void FrameWriters::write(const pipeline::PerceptionUpdate& update) {
 }
 
 void FrameWriters::writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
-                              const Pose& T_sensor_map) {
+                              const Pose& T_sensor_map, const StereoCamera* camera) {
   io::writeTrackCsv(tracks_, {update.frame, update.time, track});
-  io::writeKittiResult(kitti_, kittiRow(update.frame, track, T_sensor_map, camera_.get()));
+  io::writeKittiResult(kitti_, kittiRow(update.frame, track, T_sensor_map, camera));
   for (const auto& path : track.predictions) {
     for (const auto& point : path.points) {
       io::writePredictionCsv(predictions_, {update.frame, update.time, track.id, track.object_class,

@@ -36,11 +36,11 @@ namespace headway::replay {
 /// tracks_smoothed.csv, tracks_kitti.txt and predictions.csv.
 class FrameWriters {
  public:
-  /// @param camera  null if the rawlog contains only poses and boxes
-  FrameWriters(const std::filesystem::path& folder, std::shared_ptr<const StereoCamera> camera);
+  explicit FrameWriters(const std::filesystem::path& folder);
 
+  /// @param camera  null if the rawlog contains only poses and boxes
   /// @throws InputError naming the file that could not be written
-  void write(const pipeline::PerceptionUpdate& update);
+  void write(const pipeline::PerceptionUpdate& update, const StereoCamera* camera);
   void writeSmoothed(const std::vector<TrackSample>& samples);
   /// The files that grow.
   [[nodiscard]] std::vector<std::filesystem::path> paths() const;
@@ -51,11 +51,10 @@ class FrameWriters {
 
  private:
   void writeTrack(const pipeline::PerceptionUpdate& update, const Track& track,
-                  const Pose& T_sensor_map);
+                  const Pose& T_sensor_map, const StereoCamera* camera);
 
   std::ostream& open(const std::string& name, const std::string& header = "");
 
-  std::shared_ptr<const StereoCamera> camera_;
   std::filesystem::path folder_;
   std::map<std::string, GrowingFile> files_;  ///< by name
   std::ostream& trajectory_;

@@ -23,6 +23,9 @@ StereoCamera camera(double height_m, double down_rad, double roll_rad) {
 
 /// A camera at 0.6 m, 19 deg down and rolled by 9 deg, that moves for 4 s over a plane.
 struct Motion {
+  double height_m = 0.6;
+  double down_rad = 19.0 * kDegree;
+  double roll_rad = 9.0 * kDegree;
   double speed_mps = 0.5;
   double climb_m = 0.0;     ///< amplitude of its height, as of a hand
   double sway_rad = 0.0;    ///< amplitude of its roll
@@ -33,15 +36,16 @@ struct Motion {
 struct Result {
   Findings findings;
   std::optional<FloorCheck::Mounting> mounting;
+  std::optional<Pose> replacement;
 };
 
 Result move(const StereoCamera& stated, const Motion& motion) {
   FloorCheck check(stated);
   Result result;
   for (int i = 0; i < 40; ++i) {
-    const double phase = std::sin(0.5 * i), height = 0.6 + motion.climb_m * phase;
+    const double phase = std::sin(0.5 * i), height = motion.height_m + motion.climb_m * phase;
     const StereoCamera real =
-        camera(height, 19.0 * kDegree, 9.0 * kDegree + motion.sway_rad * phase);
+        camera(height, motion.down_rad, motion.roll_rad + motion.sway_rad * phase);
     std::optional<stereo::GroundPlane> floor;
     if (i < 40 * motion.seen_ratio) {
       floor.emplace();
@@ -54,6 +58,7 @@ Result move(const StereoCamera& stated, const Motion& motion) {
     if (found) result.findings.push_back(std::move(*found));
   }
   result.mounting = check.mounting();
+  result.replacement = check.replacement();
   return result;
 }
 
@@ -63,7 +68,8 @@ TEST(FloorCheckTest, AMountingThatIsRightIsConfirmed) {
   ASSERT_TRUE(result.mounting);
   EXPECT_NEAR(0.6, result.mounting->height_m, 1e-6);
   EXPECT_NEAR(19.0 * kDegree, result.mounting->down_rad, 1e-6);
-  EXPECT_GT(result.mounting->sigma.minCoeff(), 0.0);
+  EXPECT_GT(result.mounting->covariance.diagonal().minCoeff(), 0.0);
+  EXPECT_FALSE(result.replacement);
 }
 
 TEST(FloorCheckTest, AMountingThatIsNotStatedIsSaidOnce) {
@@ -72,6 +78,32 @@ TEST(FloorCheckTest, AMountingThatIsNotStatedIsSaidOnce) {
   EXPECT_EQ("camera_mounting", result.findings[0].name);
   EXPECT_THAT(result.findings[0].text,
               AllOf(HasSubstr("0.60 m"), HasSubstr("19.0 deg"), HasSubstr("1.65 m")));
+  ASSERT_TRUE(result.replacement);
+  const Pose T_robot_cam = camera(0.6, 19.0 * kDegree, 9.0 * kDegree).T_robot_cam;
+  EXPECT_NEAR(0.0, (*result.replacement * T_robot_cam.inverse()).translation().norm(), 1e-6);
+  // The heading of the optical axis is the assumed one.
+  EXPECT_NEAR(0.0, result.replacement->linear()(1, 2), 1e-9);
+  EXPECT_LT(logSo3(result.replacement->linear().transpose() * T_robot_cam.linear()).norm(), 1e-6);
+}
+
+TEST(FloorCheckTest, ACameraAsOnACarIsAssumedRightly) {
+  Motion car;
+  car.height_m = 1.5;
+  car.down_rad = 3.0 * kDegree;
+  car.roll_rad = 0.0;
+  car.speed_mps = 5.0;
+  const Result result = move(camera(0.0, 0.0, 0.0), car);
+  ASSERT_EQ(1U, result.findings.size());
+  EXPECT_THAT(result.findings[0].text, HasSubstr("level are assumed"));
+  EXPECT_FALSE(result.replacement);
+}
+
+TEST(FloorCheckTest, AHeightThatNoCameraIsMountedAtReplacesNothing) {
+  Motion motion;
+  motion.unit = 1000.0;
+  const Result result = move(camera(0.0, 0.0, 0.0), motion);
+  EXPECT_EQ(1U, result.findings.size());
+  EXPECT_FALSE(result.replacement);
 }
 
 TEST(FloorCheckTest, AWrongMountingIsSaidWithBothNumbers) {

@@ -243,5 +243,18 @@ TEST_F(ResumeTest, AGivenPoseInATakenUpMapIsAnError) {
   EXPECT_THROW((void)second.process(frame), InputError);
 }
 
+TEST_F(ResumeTest, AMountingThatIsNotStatedIsThatOfTheMap) {
+  (void)mapOfDrive(0, 10);
+  auto stored = map::loadMap(path_);
+  stored.camera->T_robot_cam.translation().z() = 0.4;
+  Perception perception(hall_.camera(), params_);
+  perception.resume(stored);
+  EXPECT_EQ(0.4, perception.camera()->T_robot_cam.translation().z());
+  const auto update = perception.process(frameAt(0, 5.0));
+  // The camera is where the map's keyframes are.
+  const Pose T_map_cam = update.camera.T_map_robot * perception.camera()->T_robot_cam;
+  EXPECT_LT((T_map_cam.translation() - onPath(5.0).translation()).norm(), 0.05);
+}
+
 }  // namespace
 }  // namespace headway::pipeline

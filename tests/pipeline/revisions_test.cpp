@@ -33,6 +33,7 @@ Pose onPath(double step) {
 /// What a run says, with the layers of its end in the odometry frame.
 struct Drive {
   std::vector<PerceptionUpdate> updates;
+  std::shared_ptr<const StereoCamera> camera;  ///< at the end
   std::set<slam::MapChange> causes;
   double dense_error_m = 0.0;  ///< mean distance of the points from the room's surfaces
   std::size_t dense_points = 0;
@@ -42,7 +43,8 @@ struct Drive {
 
 class RevisionTest : public testing::Test {
  protected:
-  RevisionTest() : world_(test::smallCamera()) {
+  explicit RevisionTest(const StereoCamera& camera = test::smallCamera())
+      : world_(camera), stated_(world_.camera()) {
     world_.addRoom(kLength_m, kWidth_m, kHeight_m);
     params_.slam.features = 250;
     params_.detection.detector = "recorded";
@@ -53,6 +55,7 @@ class RevisionTest : public testing::Test {
   /// The robot's true pose, which is turned round while the camera is covered, if it is.
   [[nodiscard]] Pose poseOf(int i) const {
     Pose pose = onPath(i);
+    pose.translation().z() = origin_z_m_;
     if (is_turned_round_ && i >= kSeesAgain) {
       pose.linear() = pose.linear() * expSo3({0.0, 0.0, M_PI});
     }
@@ -64,9 +67,10 @@ class RevisionTest : public testing::Test {
     frame.index = static_cast<std::size_t>(i);
     frame.time = 0.1 * i;
     frame.stereo = world_.frame(frame.index, frame.time, poseOf(i));
+    frame.stereo->camera = stated_;
     Detections detections;
     detections.time = frame.time;
-    detections.T_robot_sensor = world_.camera()->T_robot_cam;
+    detections.T_robot_sensor = stated_->T_robot_cam;
     const Pose T_cam_odom = (poseOf(i) * world_.camera()->T_robot_cam).inverse();
     const double ahead = is_turned_round_ && i >= kSeesAgain ? -1.0 : 1.0;
     const auto add = [&](ObjectClass object_class, const Eigen::Vector3d& centre,
@@ -86,7 +90,7 @@ class RevisionTest : public testing::Test {
   /// @param change  what the sensors deliver instead of a good frame
   [[nodiscard]] Drive drive(int first, int end,
                             const std::function<void(int, RecordedFrame&)>& change = {}) const {
-    Perception perception(world_.camera(), params_);
+    Perception perception(stated_, params_);
     Drive run;
     for (int i = first; i < end; ++i) {
       RecordedFrame frame = frameAt(i);
@@ -94,6 +98,7 @@ class RevisionTest : public testing::Test {
       run.updates.push_back(perception.process(frame));
       run.causes.insert(run.updates.back().camera.revision.cause);
     }
+    run.camera = perception.camera();
     perception.updateDenseMap();
     measureLayers(perception.map(),
                   poseOf(end - 1) * run.updates.back().camera.T_map_robot.inverse(), run);
@@ -190,6 +195,8 @@ class RevisionTest : public testing::Test {
   static constexpr int kSeesAgain = 25;  ///< and from which it is not
 
   test::TexturedWorld world_;
+  std::shared_ptr<const StereoCamera> stated_;  ///< its calibration
+  double origin_z_m_ = 0.0;                     ///< of the robot, in the room
   PerceptionParams params_;
   bool is_turned_round_ = false;
 };
@@ -263,6 +270,47 @@ TEST_F(RevisionTest, NewSubmap) {
   EXPECT_EQ(withheld.causes.count(slam::MapChange::kNewSubmap), 0U);
   EXPECT_EQ(run.updates.back().camera.status, slam::TrackingStatus::kTrackedInNewSubmap);
   expectSameOdometry(run, withheld, kSeesAgain + kSettled, kSeesAgain);
+  expectLayersAsGoodAs(withheld, run);
+}
+
+/// A camera 1 m above the floor that looks down and is rolled.
+StereoCamera mountedCamera() {
+  StereoCamera camera = test::smallCamera();
+  camera.T_robot_cam.linear() =
+      expSo3({0.0, 0.3, 0.0}) * expSo3({0.1, 0.0, 0.0}) * camera.T_robot_cam.linear();
+  camera.T_robot_cam.translation().z() = 1.0;
+  return camera;
+}
+
+class MountingRevisionTest : public RevisionTest {
+ protected:
+  MountingRevisionTest() : RevisionTest(mountedCamera()) { origin_z_m_ = -kHeight_m / 2; }
+};
+
+TEST_F(MountingRevisionTest, AnAssumedMountingIsReplacedByThatOfTheFloor) {
+  stated_ = std::make_shared<StereoCamera>(test::smallCamera());
+  const Drive run = drive(0, 60);
+  EXPECT_EQ(run.causes.count(slam::MapChange::kMounting), 1U);
+  const Pose error = run.camera->T_robot_cam.inverse() * world_.camera()->T_robot_cam;
+  constexpr double kMaxTilt = 3.0 * 0.6 * kDegree;  // 3 sigma, as the warning states it
+  EXPECT_LT(error.translation().norm(), 0.1);
+  EXPECT_LT(logSo3(error.linear()).norm(), kMaxTilt);
+  // The room's floor, by the map: the robot's origin is on it.
+  EXPECT_NEAR(0.0, run.updates.back().camera.T_map_robot.translation().z(),
+              kMaxTilt * onPath(59).translation().norm());
+  std::size_t first = 0, jumps = 0;
+  for (std::size_t i = 1; i < run.updates.size(); ++i) {
+    const bool is_revised = run.updates[i].camera.revision.cause == slam::MapChange::kMounting &&
+                            run.updates[i - 1].camera.revision.cause != slam::MapChange::kMounting;
+    if (!is_revised) continue;
+    first = i;
+    ++jumps;
+  }
+  EXPECT_EQ(jumps, 1U);
+  stated_ = run.camera;
+  const Drive withheld = drive(0, 60);
+  EXPECT_EQ(withheld.causes.count(slam::MapChange::kMounting), 0U);
+  expectSameOdometry(run, withheld, first + kSettled);
   expectLayersAsGoodAs(withheld, run);
 }
 

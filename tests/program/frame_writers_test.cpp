@@ -24,8 +24,8 @@ TEST(FrameWritersTest, BoxesThatAreNotFiniteAreNoRows) {
   items[2].box2d->left = std::nan("");
   items[3].box3d->centre.z() = INFINITY;
   items[4].velocity = MeasuredVelocity{{NAN, 0, 0}, Eigen::Matrix3d::Identity()};
-  FrameWriters writers(folder.path(), nullptr);
-  writers.write(update);
+  FrameWriters writers(folder.path());
+  writers.write(update, nullptr);
   writers.finish();
   std::map<std::string, std::size_t> dropped;
   EXPECT_EQ(2u, io::readDetections(folder / "detections.csv", dropped).at(0).items.size());

@@ -30,21 +30,21 @@ StereoCamera someCamera() {
 
 /// Writes all files of a replay into a folder.
 void writeAll(const fs::path& folder) {
-  const auto camera = std::make_shared<const StereoCamera>(someCamera());
-  FrameWriters writers(folder, camera);
+  const StereoCamera camera = someCamera();
+  FrameWriters writers(folder);
   pipeline::PerceptionUpdate update;
   update.camera.status = slam::TrackingStatus::kTracked;
   update.detections.emplace();
   Track track;
   track.status = TrackStatus::kConfirmed;
   update.objects.tracks.push_back(track);
-  writers.write(update);
+  writers.write(update, &camera);
   writers.writeSmoothed({{0, 0.0, track}});
   writers.finish();
   TrajectoryWriter trajectory(folder, Pose::Identity());
   trajectory.add({0, 0.0, true, Pose::Identity()});
   trajectory.commit();
-  io::writeCalibration(folder / "calibration.yaml", *camera);
+  io::writeCalibration(folder / "calibration.yaml", camera);
   writeRunRecord(folder / "replay.json", {}, {}, {});
   writeSummary(folder / "summary.json", {});
   map::writeStaticGrid(folder / "map_grid", mrpt::maps::COccupancyGridMap2D());

@@ -35,7 +35,7 @@ void validate(const StereoCamera& camera) {
     throw InputError("stereo calibration: the camera's pose on the robot is not finite");
   }
   const double distance_m = camera.T_robot_cam.translation().norm();
-  if (distance_m > 100.0) {  // larger than any robot: a pose in centimetres or millimetres
+  if (distance_m > kMaxMountingDistance_m) {  // a pose in centimetres or millimetres
     throw InputError("stereo calibration: the camera is " + std::to_string(distance_m) +
                      " m from the robot's origin; check the unit (metres) of its pose");
   }

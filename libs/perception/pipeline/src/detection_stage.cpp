@@ -105,6 +105,11 @@ void DetectionStage::restart() {
   if (stereo_motion_) stereo_motion_.emplace(camera_, stereo_motion_params_);
 }
 
+void DetectionStage::remount(std::shared_ptr<const StereoCamera> camera) {
+  camera_ = std::move(camera);
+  if (stereo_motion_) stereo_motion_.emplace(camera_, stereo_motion_params_);
+}
+
 bool DetectionStage::isDue(Time time) {
   const double half_interval = last_images_ ? 0.5 * (time - *last_images_) : 0.0;
   last_images_ = time;

@@ -82,6 +82,8 @@ class DetectionStage {
 
   /// Discards what refers to earlier frames: the clock was set back.
   void restart();
+  /// The camera is mounted otherwise: discards what moved before.
+  void remount(std::shared_ptr<const StereoCamera> camera);
 
  private:
   /// Whether image detectors are due in a frame: the one nearest to the end of the period.

@@ -345,7 +345,10 @@ struct FloorLimits {
   /// measured by hand, to 1 cm and 1 cm in 1 m.
   double sigma_tilt_rad = 0.01;
   double sigma_height_m = 0.01;
-  double sigma_scale = 0.01;   ///< of the depths
+  double sigma_scale = 0.01;  ///< of the depths
+  // Of cameras on cars, which a mounting is assumed to be like that is not stated:
+  double assumed_sigma_tilt_rad = 1.5 * kDegree;
+  double assumed_sigma_height_m = 0.2;
   double heights_away = 10.0;  ///< that most of a floor is seen within: 6 degrees below the horizon
   double significance = 3.0;   ///< standard deviations
   double unit_ratio = 0.1;     ///< a factor of units is met within this
@@ -355,7 +358,7 @@ constexpr std::array kUnitFactors = {0.001, 0.2, 5.0, 1000.0};  ///< mm for m; 1
 
 FloorCheck::Mounting mountingBy(const Eigen::Vector3d& up_cam, double height_m) {
   return {height_m, std::asin(std::clamp(-up_cam.z(), -1.0, 1.0)),
-          std::atan2(-up_cam.x(), -up_cam.y()), Eigen::Vector3d::Zero()};
+          std::atan2(-up_cam.x(), -up_cam.y()), Eigen::Matrix3d::Zero()};
 }
 
 Eigen::Vector3d vectorOf(const FloorCheck::Mounting& mounting) {
@@ -404,28 +407,30 @@ std::optional<FloorCheck::Mounting> FloorCheck::measured() const {
     if (moved < usual[0]) continue;
     const Eigen::Array3d limits(kFloorLimits.height_ratio * usual[0], kFloorLimits.tilt_rad,
                                 kFloorLimits.tilt_rad);
-    Eigen::Array3d sum = Eigen::Array3d::Zero(), squares = Eigen::Array3d::Zero();
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     double agreeing = 0.0;
     for (const Eigen::Vector3d& one : seen) {
-      const Eigen::Array3d off = (one - usual).array();
-      if ((off.abs() > limits).any()) continue;
+      const Eigen::Vector3d off = one - usual;
+      if ((off.array().abs() > limits).any()) continue;
       agreeing += 1.0;
       sum += off;
-      squares += off.square();
+      squares += off * off.transpose();
     }
     if (agreeing < kFloorLimits.seen_ratio * count) return std::nullopt;
-    const Eigen::Array3d mean = sum / agreeing;
+    const Eigen::Vector3d mean = sum / agreeing;
     // An offset of the disparities makes the depths of a pair wrong.
     const double by_offset = camera_.isDepthCamera()
                                  ? 0.0
                                  : stereo::kRectificationSigma_px * kFloorLimits.heights_away *
                                        usual[0] / (camera_.fx * camera_.baseline_m);
     const double sigma_scale = std::hypot(kFloorLimits.sigma_scale, by_offset);
-    const Eigen::Array3d systematic(std::hypot(kFloorLimits.sigma_height_m, sigma_scale * usual[0]),
-                                    kFloorLimits.sigma_tilt_rad, kFloorLimits.sigma_tilt_rad);
-    const Eigen::Array3d spread = (squares / agreeing - mean.square()).max(0.0) / agreeing;
+    const Eigen::Vector3d systematic(
+        std::hypot(kFloorLimits.sigma_height_m, sigma_scale * usual[0]),
+        kFloorLimits.sigma_tilt_rad, kFloorLimits.sigma_tilt_rad);
     Mounting result{usual[0] + mean[0], usual[1] + mean[1], usual[2] + mean[2], {}};
-    result.sigma = (spread + systematic.square()).sqrt();
+    result.covariance = (squares / agreeing - mean * mean.transpose()) / agreeing;
+    result.covariance.diagonal() += systematic.cwiseAbs2();
     return result;
   }
   return std::nullopt;
@@ -433,26 +438,56 @@ std::optional<FloorCheck::Mounting> FloorCheck::measured() const {
 
 std::optional<std::string> FloorCheck::text() const {
   if (!mounting_) return std::nullopt;
-  return mountingText(*mounting_) +
-         formatted(" (+- %.2f m, %.1f deg)", mounting_->sigma[0], mounting_->sigma[1] / kDegree);
+  return mountingText(*mounting_) + formatted(" (+- %.2f m, %.1f deg)",
+                                              std::sqrt(mounting_->covariance(0, 0)),
+                                              std::sqrt(mounting_->covariance(1, 1)) / kDegree);
+}
+
+bool FloorCheck::agreesWith(const Mounting& other, double sigma_height_m,
+                            double sigma_tilt_rad) const {
+  const Eigen::Array3d other_sigma(sigma_height_m, sigma_tilt_rad, sigma_tilt_rad);
+  Eigen::Array3d off = (vectorOf(*mounting_) - vectorOf(other)).array();
+  off[2] = std::remainder(off[2], 2.0 * M_PI);
+  const Eigen::Array3d sigma =
+      (mounting_->covariance.diagonal().array() + other_sigma.square()).sqrt();
+  return (off.abs() <= kFloorLimits.significance * sigma).all();
+}
+
+std::optional<Pose> FloorCheck::replacement() const {
+  const auto rig = stereo::rigCapability(camera_);
+  if (!mounting_ || rig.camera_height_known) return std::nullopt;
+  if (agreesWith(mountingBy(stereo::mountedUp(camera_), rig.camera_height_m),
+                 kFloorLimits.assumed_sigma_height_m, kFloorLimits.assumed_sigma_tilt_rad)) {
+    return std::nullopt;
+  }
+  const double down = mounting_->down_rad, roll = mounting_->roll_rad;
+  const Eigen::Vector3d up_cam(-std::cos(down) * std::sin(roll), -std::cos(down) * std::cos(roll),
+                               -std::sin(down));
+  const Eigen::Matrix3d assumed = camera_.T_robot_cam.linear();
+  const Eigen::Matrix3d upright =
+      Eigen::Quaterniond::FromTwoVectors(assumed * up_cam, Eigen::Vector3d::UnitZ()) * assumed;
+  const Eigen::Vector3d before = assumed.col(2), after = upright.col(2);
+  const double turned = std::atan2(before.y(), before.x()) - std::atan2(after.y(), after.x());
+  StereoCamera found = camera_;
+  found.T_robot_cam.linear() = Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) * upright;
+  found.T_robot_cam.translation().z() = mounting_->height_m;
+  // A height that no camera is mounted at is of a wrong unit.
+  const bool is_height = found.T_robot_cam.translation().norm() <= kMaxMountingDistance_m &&
+                         stereo::rigCapability(found).camera_height_known;
+  return is_height ? std::optional(found.T_robot_cam) : std::nullopt;
 }
 
 std::optional<Finding> FloorCheck::compare(std::size_t frame) const {
   const std::string by_floor = "by the floor in view, the camera is " + *text();
   const auto rig = stereo::rigCapability(camera_);
   if (!rig.camera_height_known) {
-    return Finding{
-        "camera_mounting", frame,
-        by_floor + formatted("; no mounting is stated, %.2f m and level were assumed: write it "
-                             "as T_robot_cam of the calibration (cameraPose)",
-                             rig.camera_height_m)};
+    return Finding{"camera_mounting", frame,
+                   by_floor + formatted("; no mounting is stated, %.2f m and level %s: write it as "
+                                        "T_robot_cam of the calibration (cameraPose)",
+                                        rig.camera_height_m,
+                                        replacement() ? "were assumed until now" : "are assumed")};
   }
   const Mounting stated = mountingBy(stereo::mountedUp(camera_), rig.camera_height_m);
-  const Eigen::Array3d stated_sigma(kFloorLimits.sigma_height_m, kFloorLimits.sigma_tilt_rad,
-                                    kFloorLimits.sigma_tilt_rad);
-  Eigen::Array3d off = (vectorOf(*mounting_) - vectorOf(stated)).array();
-  off[2] = std::remainder(off[2], 2.0 * M_PI);
-  const Eigen::Array3d sigma = (mounting_->sigma.array().square() + stated_sigma.square()).sqrt();
   const std::string both = by_floor + ", but it is stated to be " + mountingText(stated);
   const double ratio = mounting_->height_m / stated.height_m;
   for (const double factor : kUnitFactors) {
@@ -464,7 +499,9 @@ std::optional<Finding> FloorCheck::compare(std::size_t frame) const {
                          factor,
                          camera_.isDepthCamera() ? "depth_unit_m (rangeUnits)" : "the baseline")};
   }
-  if ((off.abs() <= kFloorLimits.significance * sigma).all()) return std::nullopt;
+  if (agreesWith(stated, kFloorLimits.sigma_height_m, kFloorLimits.sigma_tilt_rad)) {
+    return std::nullopt;
+  }
   return Finding{"camera_mounting", frame,
                  both + ": correct T_robot_cam of the calibration (cameraPose), or the depths"};
 }
@@ -666,6 +703,12 @@ InputHealth::InputHealth(std::shared_ptr<const StereoCamera> camera, double max_
   mount_check_.emplace(*camera_);
   floor_check_.emplace(*camera_);
   scale_check_.emplace(*camera_);
+}
+
+void InputHealth::remount(std::shared_ptr<const StereoCamera> camera) {
+  camera_ = std::move(camera);
+  mount_check_.emplace(*camera_);
+  floor_check_->remount(*camera_);
 }
 
 void InputHealth::resume(const Eigen::Vector3d& right_turn) {

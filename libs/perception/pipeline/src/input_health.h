@@ -121,7 +121,7 @@ class FloorCheck {
     double height_m = 0.0;  ///< of the camera above the floor [m]
     double down_rad = 0.0;  ///< of the optical axis below the horizon [rad]
     double roll_rad = 0.0;  ///< about the optical axis [rad]
-    Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< of these three
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of these three, in this order
   };
 
   explicit FloorCheck(const StereoCamera& camera) : camera_(camera) {}
@@ -136,6 +136,11 @@ class FloorCheck {
                                            const std::optional<Pose>& T_odom_cam);
   /// nullopt before a floor was seen.
   [[nodiscard]] const std::optional<Mounting>& mounting() const { return mounting_; }
+  /// T_robot_cam by the floor, with the place and the heading that are assumed, where no mounting
+  /// is stated and the assumed one, of a camera on a car, is wrong by 3 sigma; else nullopt.
+  [[nodiscard]] std::optional<Pose> replacement() const;
+  /// The camera is mounted as replacement() says.
+  void remount(const StereoCamera& camera) { camera_ = camera; }
   /// The same with its errors, in words.
   [[nodiscard]] std::optional<std::string> text() const;
 
@@ -147,6 +152,8 @@ class FloorCheck {
   };
   [[nodiscard]] std::optional<Mounting> measured() const;
   [[nodiscard]] std::optional<Finding> compare(std::size_t frame) const;
+  [[nodiscard]] bool agreesWith(const Mounting& other, double sigma_height_m,
+                                double sigma_tilt_rad) const;
 
   StereoCamera camera_;
   std::deque<Sample> samples_;
@@ -237,6 +244,13 @@ class InputHealth {
   [[nodiscard]] bool isTrusted() const { return is_trusted_; }
   /// All findings that were not fatal.
   [[nodiscard]] const Warnings& warnings() const { return warnings_; }
+  /// As FloorCheck::replacement(); nullopt without camera.
+  [[nodiscard]] std::optional<Pose> replacedMounting() const {
+    return floor_check_ ? floor_check_->replacement() : std::nullopt;
+  }
+  /// The camera is mounted as that says.
+  void remount(std::shared_ptr<const StereoCamera> camera);
+
   /// The camera's mounting by the floor; nullopt before one was seen.
   [[nodiscard]] std::optional<std::string> mounting() const {
     return floor_check_ ? floor_check_->text() : std::nullopt;

@@ -37,6 +37,7 @@ std::optional<stereo::FrameContext> Localisation::contextOf(const FrameState& st
     front_end_.setRightTurn({turn, *camera_});
   }
   StereoFrame frame = *state.frame.stereo;
+  frame.camera = camera_;
   frame.motion_prior = state.motion_prior;
   return front_end_.next(
       frame, state.is_by_slam ? slam_->disparityOffset() : offset_at_recorded_poses_.value());
@@ -76,6 +77,11 @@ std::optional<stereo::OffsetEstimate> Localisation::disparityOffset(const FrameS
   offset_updated_ = state.frame.time;
   offset_at_recorded_poses_.update(static_points, seconds);
   return offset_at_recorded_poses_.estimate();
+}
+
+void Localisation::remount(std::shared_ptr<const StereoCamera> camera) {
+  camera_ = std::move(camera);
+  slam_->remount(camera_);
 }
 
 void Localisation::load(const map::StoredMap& stored) {

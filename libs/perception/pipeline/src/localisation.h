@@ -35,6 +35,9 @@ class Localisation {
   /// Measured less true disparity, with what this frame adds; nullopt if that is nothing.
   [[nodiscard]] std::optional<stereo::OffsetEstimate> disparityOffset(const FrameState& state);
 
+  /// The camera is mounted otherwise.
+  void remount(std::shared_ptr<const StereoCamera> camera);
+
   /// Loads SLAM's map, before the first frame. @throws InputError as Perception::resume()
   void load(const map::StoredMap& stored);
   [[nodiscard]] bool isResumed() const { return is_resumed_; }

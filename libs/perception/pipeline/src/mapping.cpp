@@ -211,11 +211,25 @@ void Mapping::setRightTurn(const Eigen::Vector3d& turn, bool has_moved, StageTim
       (turn.y() - yaw_of_scans_) / stereo::yawOfOffset(1.0, *camera_);  // of all disparities
   const bool is_wrong = !has_moved && std::abs(change_px) > rig_->sigma_disparity_px;
   if (has_moved || is_wrong) yaw_of_scans_ = turn.y();
-  if (!is_wrong) return;
+  if (is_wrong) discardScans(times);
+}
+
+void Mapping::discardScans(StageTimes& times) {
   grid_ = map::StaticGrid(grid_params_.map);
   (void)dense_.exchange(dense_.emptyMap(), times);
   others_.clear();
   map_.removeStaticLayers();
+}
+
+void Mapping::remount(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
+                      StageTimes& times) {
+  camera_ = std::move(camera);
+  rig_ = rigOf(camera_.get(), assumptions_);
+  const double period_s = grid_params_.period_s;  // may have been changed
+  grid_params_ = gridFor(rig_, params);
+  grid_params_.period_s = period_s;
+  dense_.remount(*rig_);
+  discardScans(times);
 }
 
 void Mapping::update(const FrameState& state, StageTimes& times) {

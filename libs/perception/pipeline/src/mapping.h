@@ -45,6 +45,9 @@ class DenseMapper {
   /// once a frame.
   void update(map::PerceptionMap& map, StageTimes& times);
 
+  /// The scans from now on are of a camera that is mounted otherwise.
+  void remount(const stereo::RigCapability& rig) { rig_ = rig; }
+
   /// Goes on with the scans of another submap. @return those so far
   [[nodiscard]] map::DenseMap exchange(map::DenseMap other, StageTimes& times);
   /// Adds the scans of a submap that was joined with this one.
@@ -117,6 +120,10 @@ class Mapping {
   /// @param has_moved  the camera was rotated otherwise before: older scans are right
   void setRightTurn(const Eigen::Vector3d& turn, bool has_moved, StageTimes& times);
 
+  /// The camera is mounted otherwise: what was scanned by the old mounting is discarded.
+  void remount(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
+               StageTimes& times);
+
   /// Takes all that a frame tells.
   void update(const FrameState& state, StageTimes& times);
 
@@ -163,6 +170,7 @@ class Mapping {
   void joinSubmaps(const std::vector<int>& existing, const slam::MapView& static_map,
                    bool are_joined);
   [[nodiscard]] Layers& layersOf(int submap);
+  void discardScans(StageTimes& times);
   void updateStaticMap(const slam::MapView& static_map);
   void updateGrid(const FrameState& state, StageTimes& times);
   void updateDense(const FrameState& state, StageTimes& times);

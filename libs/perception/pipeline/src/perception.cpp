@@ -178,9 +178,13 @@ class Perception::Implementation {
   Implementation(std::shared_ptr<const StereoCamera> rig, const PerceptionParams& params,
                  map::PerceptionMap map);
 
-  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame) {
-    requireUsable(frame);
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& recorded) {
+    requireUsable(recorded);
     const auto watch = times.watch("frame");
+    const auto mounting = localisation.isResumed() ? std::nullopt : health.replacedMounting();
+    if (mounting) remount(*mounting);
+    const std::optional<RecordedFrame> moved = remounted(recorded);
+    const RecordedFrame& frame = moved ? *moved : recorded;
     const map::PerceptionMap map_before = mapping.map();
     applyChange();
     FrameState state = begin(frame);
@@ -215,6 +219,22 @@ class Perception::Implementation {
     return normalized(Pose(now * before.inverse(Eigen::Isometry)));
   }
 
+  /// The camera is mounted otherwise than was assumed: map and odometry move, tracks end.
+  void remount(const Pose& T_robot_cam) {
+    auto found = std::make_shared<StereoCamera>(*camera);
+    found->T_robot_cam = T_robot_cam;
+    T_robot_assumed_ = normalized(Pose(T_robot_cam * camera->T_robot_cam.inverse(Eigen::Isometry) *
+                                       T_robot_assumed_.value_or(Pose::Identity())));
+    camera = std::move(found);
+    health.remount(camera);
+    localisation.remount(camera);
+    detection.remount(camera);
+    mapping.remount(camera, params, times);
+    ended_ = tracker.restart();
+    forgetMotion();
+  }
+
+  PerceptionParams params;
   std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
   InputHealth health;
   Localisation localisation;
@@ -253,8 +273,12 @@ class Perception::Implementation {
     rate_.add(frame.time);
     mapping.setRate(rate_.hz());
     FrameState state(frame, previous_, rate_);
+    state.ended = std::exchange(ended_, {});
     state.clock = clockStep(frame, previous_);
-    if (state.clock == ClockStep::kSetBack) state.ended = restart();
+    if (state.clock == ClockStep::kSetBack) {
+      const auto ended = restart();
+      state.ended.insert(state.ended.end(), ended.begin(), ended.end());
+    }
     state.is_by_slam = localisation.isBySlam(frame);
     if (!frame.stereo) return state;
     state.motion_prior = frame.stereo->motion_prior;
@@ -268,11 +292,32 @@ class Perception::Implementation {
   /// Discards what refers to the times before. @return ended tracks
   [[nodiscard]] std::vector<TrackSample> restart() {
     detection.restart();
+    forgetMotion();
+    return tracker.restart();
+  }
+
+  void forgetMotion() {
     previous_.T_odom_robot.reset();
     previous_.tracks.clear();
     previous_.expected.clear();
     previous_.motion = {};
-    return tracker.restart();
+  }
+
+  /// What the camera and the inertial sensor in it see of the robot, as the robot is mounted under
+  /// them; wheels and lasers are of a robot that stands on the floor. nullopt: nothing changes.
+  [[nodiscard]] std::optional<RecordedFrame> remounted(const RecordedFrame& recorded) const {
+    if (!T_robot_assumed_) return std::nullopt;
+    RecordedFrame frame = recorded;
+    if (frame.detections) {
+      frame.detections->T_robot_sensor = *T_robot_assumed_ * frame.detections->T_robot_sensor;
+    }
+    if (!frame.stereo) return frame;
+    MotionPrior& prior = frame.stereo->motion_prior;
+    const Eigen::Matrix3d R = T_robot_assumed_->linear();
+    if (auto& turn = prior.R_previous_current) turn = R * *turn * R.transpose();
+    if (auto& increment = prior.velocity_increment) increment = R * *increment;
+    if (auto& force = prior.specific_force) force = R * *force;
+    return frame;
   }
 
   [[nodiscard]] std::optional<stereo::FrameContext> rectify(const FrameState& state) {
@@ -382,6 +427,8 @@ class Perception::Implementation {
   }
 
   PreviousFrame previous_;
+  std::vector<TrackSample> ended_;       ///< of tracks that ended between two frames
+  std::optional<Pose> T_robot_assumed_;  ///< the robot frame of the input; nullopt: the same
   FrameRate rate_;
   double max_box_range_m_ = RuntimeParams().max_box_range_m;
 };
@@ -401,8 +448,9 @@ static objects::ObjectsParams withinReach(const PerceptionParams& params,
 }
 
 Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
-                                           const PerceptionParams& params, map::PerceptionMap map)
-    : camera(std::move(rig)),
+                                           const PerceptionParams& given, map::PerceptionMap map)
+    : params(given),
+      camera(std::move(rig)),
       health(camera, validated(params).slam.max_speed_mps, params.detection.detect.disparity),
       localisation(camera, params),
       detection(camera, params.detection),
@@ -421,7 +469,14 @@ PerceptionUpdate Perception::process(const RecordedFrame& frame) {
 }
 
 void Perception::resume(const map::StoredMap& stored) {
+  const auto known = [](const StereoCamera& camera) {
+    return stereo::rigCapability(camera).camera_height_known;
+  };
   Localisation& localisation = implementation_->localisation;
+  const auto& camera = implementation_->camera;
+  if (stored.camera && camera != nullptr && known(*stored.camera) && !known(*camera)) {
+    implementation_->remount(stored.camera->T_robot_cam);
+  }
   localisation.load(stored);
   implementation_->health.resume(localisation.rightTurn());
   implementation_->mapping.load(stored, localisation.slam()->map());
@@ -445,6 +500,8 @@ void Perception::finish() {
   }
   mapping.finish(implementation_->times);
 }
+
+std::shared_ptr<const StereoCamera> Perception::camera() const { return implementation_->camera; }
 
 const std::optional<stereo::RigCapability>& Perception::rig() const {
   return implementation_->mapping.rig();

@@ -87,6 +87,9 @@ class BundleAdjuster {
   /// While held, background adjustments are left out, because the map must not move.
   void hold(bool held) { held_ = held; }
 
+  /// The camera is mounted otherwise; after abandon().
+  void remount(const Pose& T_robot_cam) { camera_.T_robot_cam = T_robot_cam; }
+
   /// Cancels the running adjustment, because the map has changed.
   void abandon();
 

@@ -128,6 +128,11 @@ class InertialAlignment {
 
   /// The camera was lost.
   void interrupt() { gravity_.resetVelocity(); }
+  /// The map was levelled by other means.
+  void rotateMap(const Eigen::Matrix3d& rotation) {
+    gravity_.rotate(rotation);
+    levelled_.setIdentity();
+  }
 
   [[nodiscard]] ImuStatus status() const { return status_; }
   /// Whether the sensor contradicts the camera.

@@ -53,6 +53,8 @@ class MotionModel {
   void coast(Time time, const Pose& T_map_cam);
   /// The last pose was corrected; the velocity, as seen from the camera, stays.
   void correct(const Pose& T_map_cam) { last_.value = T_map_cam; }
+  /// The camera is mounted otherwise.
+  void remount(const Pose& T_robot_cam) { T_robot_cam_ = T_robot_cam; }
   /// Restarts at a pose with zero velocity.
   void reset(Time time, const Pose& T_map_cam);
 

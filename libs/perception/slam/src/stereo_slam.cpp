@@ -159,6 +159,29 @@ class StereoSlam::Implementation {
     local_landmarks_ = map_.seenBy(map_.neighbourhood(*reference_, params_.window));
   }
 
+  void remount(std::shared_ptr<const StereoCamera> camera) {
+    adjuster_.abandon();
+    loops_.abandon();
+    camera_ = std::move(camera);
+    T_cam_robot_ = camera_->T_robot_cam.inverse(Eigen::Isometry);
+    adjuster_.remount(camera_->T_robot_cam);
+    motion_.remount(camera_->T_robot_cam);
+    motion_in_odom_.remount(camera_->T_robot_cam);
+    views_ = MapViewMaker(T_cam_robot_);
+    odometry_check_.restart();
+    if (map_.keyframes().empty()) return;
+    const Pose& T_map_first = map_.keyframes().begin()->second.T_map_cam;
+    const Pose shift =
+        normalized(Pose(camera_->T_robot_cam * T_map_first.inverse(Eigen::Isometry)));
+    std::map<KeyframeId, Pose> poses;
+    for (const auto& [id, key] : map_.keyframes()) poses[id] = normalized(shift * key.T_map_cam);
+    applyCorrection(poses, map_);
+    motion_.correct(normalized(shift * motion_.last()));
+    motion_in_odom_.correct(normalized(shift * motion_in_odom_.last()));
+    inertial_.rotateMap(shift.linear());
+    noteChange(MapChange::kMounting);
+  }
+
   [[nodiscard]] MapView map() { return views_.make(map_, submap()); }
   [[nodiscard]] MapView map(int submap) const { return makeMapView(map_, T_cam_robot_, submap); }
   [[nodiscard]] TrajectoryVisit trajectorySnapshot() const {
@@ -623,9 +646,9 @@ const char* toString(TrackingStatus status) {
 }
 
 const char* toString(MapChange cause) {
-  constexpr const char* kNames[] = {"start",        "bundle_adjustment", "gravity",
-                                    "right_camera", "relocalised",       "new_submap",
-                                    "loop",         "submap_joined",     "maps_joined"};
+  constexpr const char* kNames[] = {"start",       "bundle_adjustment", "gravity", "right_camera",
+                                    "relocalised", "new_submap",        "loop",    "submap_joined",
+                                    "maps_joined", "mounting"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -695,5 +718,9 @@ MapView StereoSlam::map(int submap) const { return implementation_->map(submap);
 std::vector<int> StereoSlam::submaps() const { return implementation_->sparseMap().submaps(); }
 
 void StereoSlam::correct(const KeyframePoses& poses) { implementation_->correct(poses); }
+
+void StereoSlam::remount(std::shared_ptr<const StereoCamera> camera) {
+  implementation_->remount(std::move(camera));
+}
 
 }  // namespace headway::slam

@@ -35,6 +35,8 @@ struct StereoCamera {
   [[nodiscard]] bool isDepthCamera() const { return depth_reach_m > 0.0; }
 };
 
+constexpr double kMaxMountingDistance_m = 100.0;  ///< of a camera from the origin of any robot
+
 /// Throws InputError naming the first value that is invalid for a rectified pair.
 void validate(const StereoCamera& camera);
 

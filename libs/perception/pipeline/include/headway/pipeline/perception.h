@@ -103,6 +103,11 @@ class Perception {
   ///         interrupted one may be part of trajectory, tracks and map, or not.
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
 
+  /// The camera of the frames, with its mounting. Where none is stated (it is less than 0.05 m
+  /// above the robot's origin) it is that of a loaded map, or by the floor in view, as soon as that
+  /// shows that the camera is not mounted as on a car. Null without images.
+  [[nodiscard]] std::shared_ptr<const StereoCamera> camera() const;
+
   /// Capability of the rig at the measured rate of frames, with the parameters that replace derived
   /// values; nullopt without camera.
   [[nodiscard]] const std::optional<stereo::RigCapability>& rig() const;
@@ -123,8 +128,8 @@ class Perception {
   /// (left out, they contradict the camera), "odometry_scale", "odometry_contradicts",
   /// "motion_left_out", "camera_frozen", "camera_dark", "camera_bright", "vertical_offset",
   /// "images_not_simultaneous", "images_swapped", "speed", "clock_set_back", "clock_jumps_ahead",
-  /// "time_repeated", "recorded_boxes_missing", "too_near", "blurred", and "lost_" with "too_dark",
-  /// "covered", "blurred", "few_features" or "moved_too_fast".
+  /// "time_repeated", "recorded_boxes_missing", "camera_mounting", "too_near", "blurred", and
+  /// "lost_" with "too_dark", "covered", "blurred", "few_features" or "moved_too_fast".
   [[nodiscard]] const Warnings& warnings() const;
 
   /// How the camera is mounted by the floor in view, in words; nullopt before one was seen for 2 s

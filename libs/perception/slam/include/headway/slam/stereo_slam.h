@@ -46,10 +46,11 @@ enum class MapChange {
   kLoop,              ///< a place was seen again
   kSubmapJoined,      ///< a place was recognised in another submap, which this one is part of now
   kMapsJoined,        ///< the maps of several recordings were joined
+  kMounting,          ///< the camera is mounted otherwise than was assumed
 };
 
 /// "start", "bundle_adjustment", "gravity", "right_camera", "relocalised", "new_submap", "loop",
-/// "submap_joined" or "maps_joined".
+/// "submap_joined", "maps_joined" or "mounting".
 [[nodiscard]] const char* toString(MapChange cause);
 
 /// State of the poses in the map. As long as its number is the same, T_map_odom changes by the
@@ -215,6 +216,13 @@ class StereoSlam {
   ///
   /// @param poses  of every keyframe of the map
   void correct(const KeyframePoses& poses);
+
+  /// The camera is mounted otherwise than was assumed: map, odometry and camera move so that the
+  /// robot's first pose is the origin again, a revision of the cause kMounting. Not during
+  /// process().
+  ///
+  /// @param camera  the same but for T_robot_cam
+  void remount(std::shared_ptr<const StereoCamera> camera);
 
   /// Milliseconds of "slam_track" (features to pose) and "slam_map" (the rest), a frame each.
   [[nodiscard]] const StageTimes& times() const;
