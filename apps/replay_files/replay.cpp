@@ -39,6 +39,7 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
 pipeline::PerceptionParams perceptionParams(const Options& options,
                                             pipeline::PerceptionParams params) {
   params.slam.stop = stopRequested;
+  if (!(options.realtime > 0.0)) params.grid.local = false;  // nobody drives by it
   return options.realtime > 0.0 ? pipeline::PerceptionParams::live(std::move(params)) : params;
 }
 

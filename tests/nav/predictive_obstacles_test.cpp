@@ -121,6 +121,46 @@ TEST_F(PredictiveObstaclesTest, AddsOccupiedCellsOfTheGrid) {
   EXPECT_EQ(0u, points_.size()) << "the map is not read";
 }
 
+TEST_F(PredictiveObstaclesTest, WhatIsSeenNowComesBeforeTheGrid) {
+  // The robot is at (10, 5) and faces along y, as the odometry frame's x does.
+  StereoCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 300.0;
+  camera.cx = 319.5;
+  camera.cy = 239.5;
+  camera.baseline_m = 0.1;
+  camera.T_robot_cam.translation().z() = 0.5;
+  map::LocalLayer layer(5.0);
+  GroundScan scan;
+  for (int i = -40; i <= 40; ++i) {
+    const float slope = 0.01F * static_cast<float>(i);
+    scan.free.push_back({{1.0F, slope, 0.0F}, {4.0F, 4.0F * slope, 0.0F}});
+  }
+  for (int i = 0; i < 4; ++i) scan.obstacles.push_back({{2.0F, -0.5F, 0.0F}, 0.02F});
+  for (int i = 0; i < 4; ++i) layer.add(99.7 + 0.1 * i, Pose::Identity(), scan, camera);
+  Pose T_map_odom(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  T_map_odom.translation() << 10.0, 5.0, 0.0;
+  map_.update(100.0, {}, T_map_odom);
+  map_.update(std::make_shared<const map::LocalLayer>(layer));
+  const auto grid = mrpt::maps::COccupancyGridMap2D::Create(0.0F, 20.0F, 0.0F, 20.0F, 0.2F);
+  grid->fill(0.9F);
+  grid->setPos(10.0F, 8.0F, 0.05F);  // 3 m ahead, seen to be free now
+  grid->setPos(10.0F, 3.0F, 0.05F);  // 2 m behind
+  map_.update(grid);
+  ASSERT_TRUE(sense());
+  EXPECT_GT(report_.local_points, 0U);
+  EXPECT_EQ(report_.static_points, 3U) << "the one behind, at three heights";
+  bool is_there = false;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    float x = 0.0F, y = 0.0F;
+    points_.getPoint(i, x, y);
+    is_there = is_there || std::hypot(x - 2.0F, y + 0.5F) < 0.15F;
+    EXPECT_GT(std::hypot(x - 3.0F, y), 0.3F);
+  }
+  EXPECT_TRUE(is_there);
+}
+
 TEST_F(PredictiveObstaclesTest, HasPointsAtAllHeightsOfAnObject) {
   map_.update(100.0, {meetingTrack()});
   ASSERT_TRUE(sense());

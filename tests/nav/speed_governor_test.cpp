@@ -102,5 +102,31 @@ TEST(SpeedGovernorTest, RefusesParametersOutOfRange) {
             test::inputErrorOf([&] { SpeedGovernor governor(values); }));
 }
 
+double speedRatioOn(const SpeedGovernor::FreeGround& is_free, const GroundTwist& command) {
+  SpeedGovernor governor(params());
+  GroundState robot;
+  robot.twist = command;
+  return governor.speedRatio(command, robot, {}, 0.1, is_free);
+}
+
+TEST(SpeedGovernorTest, DrivesNoFasterThanItCanBrakeOnFreeGround) {
+  const auto freeTo = [](double x) {
+    return [x](const Eigen::Vector2d& place) { return place.x() < x; };
+  };
+  // At 1 m/s it brakes within 0.25 m of reaction and 0.5 m, and is 0.25 m long before its origin.
+  EXPECT_EQ(speedRatioOn(freeTo(1.5), kAhead), 1.0);
+  const double slowed = speedRatioOn(freeTo(0.7), kAhead);
+  EXPECT_GT(slowed, 0.1);
+  EXPECT_LT(slowed, 0.8);
+  EXPECT_LE(speedRatioOn(freeTo(0.33), kAhead), 0.1) << "it creeps";
+  EXPECT_EQ(speedRatioOn(freeTo(0.26), kAhead), 0.0);
+  EXPECT_EQ(speedRatioOn(freeTo(0.33), {-1.0, 0.0, 0.0}), 1.0) << "backwards it is free";
+}
+
+TEST(SpeedGovernorTest, TurnsOnTheSpotWhateverIsAround) {
+  const auto nowhere = [](const Eigen::Vector2d&) { return false; };
+  EXPECT_EQ(speedRatioOn(nowhere, {0.0, 0.0, 1.0}), 1.0);
+}
+
 }  // namespace
 }  // namespace headway::nav

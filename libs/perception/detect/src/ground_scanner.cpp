@@ -357,7 +357,7 @@ GroundScanParams GroundScanParams::forRig(const stereo::RigCapability& rig) cons
 
 GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamera& camera,
                       const stereo::GroundPlane& ground, const MovingRegions& moving,
-                      const GroundScanParams& params) {
+                      const GroundScanParams& params, int step) {
   GroundScan scan;
   if (ground.up.y() > kMaxUpY) return scan;
   const cv::Mat left_out = leftOutCells(moving, disparity);
@@ -365,7 +365,7 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamer
   const GroundScanParams for_rig = params.forRig(rig);
   const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);
   ColumnScanner scanner(disparity, camera, plane, rig, for_rig);
-  for (int column = 0; column < disparity.values.cols; ++column) {
+  for (int column = 0; column < disparity.values.cols; column += step) {
     scanner.scan(column, left_out, scan);
   }
   return scan;

@@ -18,6 +18,9 @@ constexpr double kClockTolerance_s = 1e-6;  // of sums of doubles
 constexpr double kVelocityStep_s = 0.1;     // of differences
 constexpr double kMinHeadingSpeed = 0.2;    // [m/s], at which a path defines the heading
 constexpr double kUnseenTolerance = 0.01;   // about 0.5: the cell has never been observed
+constexpr double kSeenNow = 0.95;           // probability of what the newest frames show
+constexpr double kLeaves_s = 0.3;           // after which what moves is where it is predicted
+constexpr double kMoverMargin_m = 0.25;     // around its footprint, of what the frames show of it
 
 bool isUsable(const Track& track) {
   return isShown(track) && track.position.allFinite() && track.size.allFinite();
@@ -127,6 +130,8 @@ void MapQueryParams::describe(Params::Section section) {
   section.add("horizon_s", horizon_s, 0.0, 60.0, "s", "Horizon of predictions");
   section.add("min_contact_probability", min_contact_probability, 0.0, 1.0, "",
               "Minimum probability of a contact that is reported");
+  section.add("caution", caution, 0.0, 1.0, "",
+              "How long, and how far round it, what was seen to leave the view still blocks");
 }
 
 MapQuery::MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& params,
@@ -135,9 +140,11 @@ MapQuery::MapQuery(PerceptionMap snapshot, Time now, const MapQueryParams& param
       grid_(map_.staticGrid()),
       now_(now),
       params_(validated(params)),
-      T_map_asked_(T_map_asked) {
+      T_map_asked_(T_map_asked),
+      T_odom_map_(fromAbove(map_.odometryFrame()).inverse()) {
   // layers().isEmpty() is true for a grid whose cells were set one by one.
-  if (map_.landmarks().empty() && map_.movingObjects().isEmpty() && grid_ == nullptr) {
+  if (map_.landmarks().empty() && map_.movingObjects().isEmpty() && grid_ == nullptr &&
+      map_.local() == nullptr) {
     status_ = QueryStatus::kEmptyMap;
   } else if (!(std::abs(age_s()) <= params_.max_age_s)) {
     status_ = QueryStatus::kStaleMap;
@@ -153,8 +160,8 @@ QueryStatus MapQuery::statusAt(Time time) const {
   return reached ? QueryStatus::kKnown : QueryStatus::kUnknownTime;
 }
 
-std::optional<double> MapQuery::staticOccupancyAt(double x, double y) const {
-  const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
+std::optional<double> MapQuery::staticOccupancyAt(const Vector2d& place) const {
+  const auto fx = static_cast<float>(place.x()), fy = static_cast<float>(place.y());
   if (grid_ == nullptr || !(fx >= grid_->getXMin() && fx < grid_->getXMax() &&
                             fy >= grid_->getYMin() && fy < grid_->getYMax())) {
     return std::nullopt;
@@ -163,11 +170,56 @@ std::optional<double> MapQuery::staticOccupancyAt(double x, double y) const {
   return std::abs(occupied - 0.5) < kUnseenTolerance ? std::nullopt : std::optional(occupied);
 }
 
+bool MapQuery::isOnMover(const Vector2d& place) const {
+  const auto& tracks = map_.movingObjects().tracks();
+  return std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
+    if (!isUsable(track) || !isMoving(track)) return false;
+    FootprintShape grown = footprintOf(track);
+    grown.length_m += 2.0 * kMoverMargin_m;
+    grown.width_m += 2.0 * kMoverMargin_m;
+    return covers(grown, Eigen::Rotation2Dd(-track.yaw) * (place - track.position.head<2>()));
+  });
+}
+
+std::optional<double> MapQuery::groundAt(const Vector2d& place, Time time) const {
+  if (map_.local() == nullptr) return staticOccupancyAt(place);
+  switch (map_.local()->at(T_odom_map_ * place, now_, params_.caution)) {
+    case LocalState::kBlocked:
+      if (time - now_ >= kLeaves_s && isOnMover(place)) return staticOccupancyAt(place);
+      return kSeenNow;
+    case LocalState::kFree:
+      return 1.0 - kSeenNow;
+    case LocalState::kUnknown:
+      return std::nullopt;
+    case LocalState::kNotInView:
+      break;
+  }
+  return staticOccupancyAt(place);
+}
+
+LocalState MapQuery::localAt(const Vector2d& place) const {
+  if (map_.local() == nullptr) return LocalState::kNotInView;
+  return map_.local()->at(T_odom_map_ * (T_map_asked_ * place), now_, params_.caution);
+}
+
+bool MapQuery::isGroundFree(const Vector2d& place) const {
+  const auto occupied = groundAt(T_map_asked_ * place, now_);
+  return status_ == QueryStatus::kKnown && occupied && *occupied < 0.5;
+}
+
+std::vector<Vector2d> MapQuery::blockedNow() const {
+  if (map_.local() == nullptr) return {};
+  auto places = map_.local()->blocked(now_, params_.caution);
+  const Eigen::Isometry2d T_asked_odom = (T_odom_map_ * T_map_asked_).inverse();
+  for (Vector2d& place : places) place = T_asked_odom * place;
+  return places;
+}
+
 Occupancy MapQuery::occupancyAt(double x, double y, Time time) const {
   Occupancy occupancy;
   occupancy.status = statusAt(time);
   const Vector2d place = T_map_asked_ * Vector2d(x, y);
-  const auto occupied = staticOccupancyAt(place.x(), place.y());
+  const auto occupied = groundAt(place, time);
   if (occupied) {
     occupancy.static_probability = *occupied;
   } else if (occupancy.status == QueryStatus::kKnown) {
@@ -221,9 +273,11 @@ NearTracks MapQuery::tracksNear(const Vector2d& place, double radius_m, Time tim
 
 MapQuery::StaticContact MapQuery::staticContact(const TimedPose& pose,
                                                 const FootprintShape& footprint) const {
-  if (grid_ == nullptr) return {0.0, true};
+  const auto& newest = map_.local();
+  if (grid_ == nullptr && newest == nullptr) return {0.0, true};
   StaticContact contact;
-  const double cell = static_cast<double>(grid_->getResolution());
+  const double cell =
+      newest != nullptr ? newest->cell_m() : static_cast<double>(grid_->getResolution());
   const int reach = static_cast<int>(std::ceil(footprint.radius() / cell));
   const Eigen::Rotation2Dd rotation(pose.yaw);
   for (int i = -reach; i <= reach; ++i) {
@@ -231,7 +285,7 @@ MapQuery::StaticContact MapQuery::staticContact(const TimedPose& pose,
       const Vector2d local(i * cell, j * cell);
       if ((i != 0 || j != 0) && !covers(footprint, local)) continue;
       const Vector2d place = pose.position + rotation * local;
-      const auto occupied = staticOccupancyAt(place.x(), place.y());
+      const auto occupied = groundAt(place, pose.time);
       if (occupied) contact.occupied = std::max(contact.occupied, *occupied);
       if (!occupied) contact.unknown = true;
     }

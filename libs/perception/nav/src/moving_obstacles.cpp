@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where moving objects will be, which of those places the robot could meet, and the parameters of section [nav].
+// Where moving objects will be, which of those places the robot could meet, and the parameters of
+// section [nav].
 #include <headway/map/contact_probability.h>
 #include <headway/nav/moving_obstacles.h>
 
@@ -25,6 +26,8 @@ void RobotMotionParams::describe(Params::Section section) {
   user.add("robot_length_m", length_m, 0.0, 10.0, "m", "Length of the robot, about its origin");
   user.add("robot_width_m", width_m, 0.0, 10.0, "m", "Width of the robot");
   user.add("robot_max_speed_mps", max_speed_mps, 0.05, 30.0, "m/s", "The robot's maximum speed");
+  user.add("robot_deceleration_mps2", deceleration_mps2, 0.05, 20.0, "m/s^2",
+           "The robot's deceleration when it brakes");
   section.add("robot_slow_ratio", slow_ratio, 0.05, 1.0, "",
               "Lowest speed assumed on the way to a place, relative to the maximum speed");
   section.add("early_slack_s", early_slack_s, 0.0, 5.0, "s",
@@ -77,6 +80,10 @@ void PredictiveObstaclesParams::describe(Params::Section section) {
               "Distance between the heights at which an outline has points");
   section.add("use_static_grid", use_static_grid,
               "Occupied cells of the map's grid are obstacles, too");
+  user.add(
+      "caution", caution, 0.0, 1.0, "",
+      "How long, and how far round it, what was seen to leave the view still blocks: 0 to 6 s, "
+      "at 0 to 1.5 m/s");
   section.add("max_range_m", max_range_m, 1.0, 200.0, "m", "Maximum distance from the robot");
   robot.describe(section);
   governor.describe(section);

@@ -106,9 +106,18 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
   report_.moving_objects = moving_.current().size();
   removeLeaving(obstacles, *robot);
   insertPredicted(obstacles, *robot);
+  const auto query = queryOf(*snapshot);
+  insertLocal(obstacles, *robot, query);
   const auto grid = snapshot->staticGrid();
-  if (params_.use_static_grid && grid) insertStatic(obstacles, *robot, *grid);
+  if (params_.use_static_grid && grid) insertStatic(obstacles, *robot, *grid, query);
   return SenseStatus::kSafe;
+}
+
+map::MapQuery PredictiveObstacles::queryOf(const map::PerceptionMap& snapshot) const {
+  map::MapQueryParams params;
+  params.max_age_s = params_.max_age_s;
+  params.caution = params_.caution;
+  return {snapshot, clock_(), params};
 }
 
 std::optional<GroundState> PredictiveObstacles::locate(const map::PerceptionMap& snapshot) {
@@ -178,7 +187,13 @@ double PredictiveObstacles::admissibleSpeedRatio(const CVehicleVelCmd& command) 
                             "stopped; govern_speed = false forwards such commands");
     return 0.0;
   }
-  return governor_.speedRatio(*twist, *robot, layer.tracks(), std::max(0.0, age_s));
+  SpeedGovernor::FreeGround is_free;
+  if (snapshot->local() != nullptr) {
+    is_free = [query = queryOf(*snapshot)](const Vector2d& place) {
+      return query.isGroundFree(place);
+    };
+  }
+  return governor_.speedRatio(*twist, *robot, layer.tracks(), std::max(0.0, age_s), is_free);
 }
 
 void PredictiveObstacles::removeLeaving(mrpt::maps::CSimplePointsMap& obstacles,
@@ -207,7 +222,8 @@ void PredictiveObstacles::insertPredicted(mrpt::maps::CSimplePointsMap& obstacle
 
 void PredictiveObstacles::insertStatic(mrpt::maps::CSimplePointsMap& obstacles,
                                        const GroundState& robot,
-                                       const mrpt::maps::COccupancyGridMap2D& grid) {
+                                       const mrpt::maps::COccupancyGridMap2D& grid,
+                                       const map::MapQuery& query) {
   const double range = params_.max_range_m;
   const int left = std::max(0, grid.x2idx(static_cast<float>(robot.place.x() - range)));
   const int bottom = std::max(0, grid.y2idx(static_cast<float>(robot.place.y() - range)));
@@ -222,8 +238,20 @@ void PredictiveObstacles::insertStatic(mrpt::maps::CSimplePointsMap& obstacles,
                            static_cast<double>(grid.idx2y(row)));
       const double distance = (place - robot.place).norm();
       if (distance < params_.robot.radius_m || distance > range) continue;
+      if (query.localAt(place) == map::LocalState::kFree) continue;
       report_.static_points += insertUpright(obstacles, robot, place, {0.0, kStaticHeight});
     }
+  }
+  obstacles.mark_as_modified();
+}
+
+void PredictiveObstacles::insertLocal(mrpt::maps::CSimplePointsMap& obstacles,
+                                      const GroundState& robot, const map::MapQuery& query) {
+  for (const Vector2d& place : query.blockedNow()) {
+    const double distance = (place - robot.place).norm();
+    if (distance < params_.robot.radius_m || distance > params_.max_range_m) continue;
+    if (moving_.leavesInTime(place)) continue;
+    report_.local_points += insertUpright(obstacles, robot, place, {0.0, kStaticHeight});
   }
   obstacles.mark_as_modified();
 }

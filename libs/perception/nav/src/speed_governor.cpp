@@ -19,6 +19,7 @@ constexpr double kTurnMemory_s = 1.0;  ///< decay time of the commanded turn rat
 constexpr double kMinSigma_m = 0.05;
 constexpr double kFarSigmas = 4.0;
 constexpr double kStandstill_mps = 0.02;  ///< [m/s]
+constexpr double kOutlineStep = 0.25;     ///< between points of a side, of half its length
 
 /// The probability that a standard normal value is above x.
 double above(double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); }
@@ -30,20 +31,54 @@ SpeedGovernor::SpeedGovernor(const PredictiveObstaclesParams& params)
       steps_(static_cast<std::size_t>(std::lround(params.governor.horizon_s / kStep_s))) {}
 
 double SpeedGovernor::speedRatio(const GroundTwist& command, const GroundState& robot,
-                                 const std::vector<Track>& tracks, double age_s) {
+                                 const std::vector<Track>& tracks, double age_s,
+                                 const FreeGround& is_free) {
   predictFutures(tracks, robot, age_s);
-  if (future_count_ == 0) return 1.0;
-  double best_ratio = 1.0;
+  if (future_count_ == 0 && !is_free) return 1.0;
+  double best_ratio = 0.0;
   double min_cost = std::numeric_limits<double>::infinity();
   for (int i = kSpeedSteps; i >= 0; --i) {
     const double ratio = static_cast<double>(i) / kSpeedSteps;
     drive(command, ratio, robot);
+    const double speed = ratio * std::hypot(command.forward, command.sideways);
+    if (is_free && !brakesOnFreeGround(speed, robot, age_s, is_free)) continue;
     const double cost = params_.governor.contact_cost * contactProbability() + (1.0 - ratio);
     if (cost >= min_cost) continue;
     min_cost = cost;
     best_ratio = ratio;
   }
   return best_ratio;
+}
+
+bool SpeedGovernor::brakesOnFreeGround(double speed_mps, const GroundState& robot, double age_s,
+                                       const FreeGround& is_free) const {
+  const double way_m = speed_mps * (params_.governor.lag_s + age_s) +
+                       0.5 * speed_mps * speed_mps / params_.robot.deceleration_mps2;
+  const Vector2d half = 0.5 * Vector2d(params_.robot.length_m, params_.robot.width_m);
+  const double turns_within_m = std::max(params_.robot.radius_m, half.norm() + kMinSigma_m);
+  const auto isOutlineFree = [&](const GroundState& at) {
+    const Eigen::Rotation2Dd turn(at.yaw);
+    const auto isFreeAt = [&](double x, double y) {
+      const Vector2d place = at.place + turn * Vector2d(x, y);
+      return (place - robot.place).norm() <= turns_within_m || is_free(place);
+    };
+    for (double s = -1.0; s <= 1.0; s += kOutlineStep) {
+      const bool is_free_here =
+          isFreeAt(half.x(), s * half.y()) && isFreeAt(-half.x(), s * half.y()) &&
+          isFreeAt(s * half.x(), half.y()) && isFreeAt(s * half.x(), -half.y());
+      if (!is_free_here) return false;
+    }
+    return true;
+  };
+  double driven_m = 0.0;
+  Vector2d last = robot.place;
+  for (const GroundState& at : driven_) {
+    driven_m += (at.place - last).norm();
+    last = at.place;
+    if (!isOutlineFree(at)) return false;
+    if (driven_m >= way_m) return true;
+  }
+  return true;
 }
 
 void SpeedGovernor::predictFutures(const std::vector<Track>& tracks, const GroundState& robot,

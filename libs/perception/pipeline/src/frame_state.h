@@ -40,7 +40,8 @@ struct FrameState {
   MotionPrior motion_prior;         ///< since the frame before, without what counts from another
   bool is_motion_left_out = false;  ///< of it, for that reason
   bool is_by_slam = false;          ///< not at a recorded pose
-  bool scans_ground = false;        ///< it is one of those that are scanned
+  bool scans_ground = false;        ///< it is one of those that are scanned for the grid
+  bool scans_local = false;         ///< it is scanned for what is blocked now
   slam::ImageEvidence images = slam::ImageEvidence::kNone;
   std::optional<stereo::FrameContext> context;  ///< rectified; nullopt without images
   ObjectDetections boxes;                       ///< that need no pose

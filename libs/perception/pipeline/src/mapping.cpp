@@ -52,6 +52,13 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
   return params;
 }
 
+/// The layer of what is blocked now, where it is asked for and there is a camera.
+std::optional<map::LocalLayer> localFor(const std::optional<stereo::RigCapability>& rig,
+                                        const GridParams& params) {
+  if (!rig || !params.local) return std::nullopt;
+  return map::LocalLayer(params.scan.reach_m, params.map.footprint);
+}
+
 /// Number in the name of an attachment of a submap other than the first; nullopt: another name.
 std::optional<int> submapOf(const std::string& name, const std::string& attachment) {
   const std::string prefix = attachment + ".";
@@ -71,6 +78,15 @@ std::optional<RobotGround> groundOf(const stereo::FrameContext& context,
   const Pose& T_robot_cam = context.camera().T_robot_cam;
   const Eigen::Vector3d up = T_robot_cam.linear() * plane->up;
   return RobotGround{up, plane->camera_height - up.dot(T_robot_cam.translation())};
+}
+
+constexpr double kLocalAhead_m = 3.0;  // where the cells of the local layer are crossed by
+constexpr double kLocalColumns = 2.0;  // so many scanned columns
+
+/// Columns of the disparity image from one that is scanned for the local layer to the next.
+int columnStep(const map::LocalLayer& layer, const stereo::FrameContext& context) {
+  const double columns = context.camera().fx / context.disparity().reduce * layer.cell_m();
+  return columns >= 2.0 * kLocalColumns * kLocalAhead_m ? 2 : 1;
 }
 
 constexpr std::chrono::seconds kMinInterval{1};  // between fusions
@@ -183,6 +199,7 @@ Mapping::Mapping(std::shared_ptr<const StereoCamera> camera, const PerceptionPar
       laser_params_(params.laser),
       is_extended_(params.slam.mapping),
       is_live_(params.slam.adjust_in_background),
+      local_(localFor(rig_, grid_params_)),
       grid_(grid_params_.map),
       dense_(params.dense, rig_, is_live_),
       map_(std::move(map)) {}
@@ -228,6 +245,7 @@ void Mapping::remount(std::shared_ptr<const StereoCamera> camera, const Percepti
   const double period_s = grid_params_.period_s;  // may have been changed
   grid_params_ = gridFor(rig_, params);
   grid_params_.period_s = period_s;
+  local_ = localFor(rig_, grid_params_);
   dense_.remount(*rig_);
   discardScans(times);
 }
@@ -246,6 +264,7 @@ void Mapping::update(const FrameState& state, StageTimes& times) {
     const Pose& T_map_odom = state.camera.T_map_odom;
     update(state.frame.time, transformed(state.objects.tracks, T_map_odom), T_map_odom);
   }
+  updateLocal(state, times);
   updateGrid(state, times);
   updateDense(state, times);
 }
@@ -347,6 +366,28 @@ void Mapping::updateDense(const FrameState& state, StageTimes& times) {
   dense_.scan(*state.context, leftOutOfDenseMap(state), *state.T_map_robot, *state.T_odom_robot);
 }
 
+void Mapping::updateLocal(const FrameState& state, StageTimes& times) {
+  if (!local_ || state.clock == ClockStep::kRepeated) return;
+  const auto watch = times.watch("local");
+  // A motion that nothing measured: what was seen before may be anywhere.
+  const bool is_adrift = !state.camera.is_motion_seen && !state.motion_prior.T_previous_current;
+  if (is_adrift) local_ = localFor(rig_, grid_params_);
+  GroundScan scan;
+  const int step = columnStep(*local_, *state.context);
+  if (state.scans_local && state.context->ground()) {
+    scan = detect::scanGround(state.context->disparity(), *camera_, *state.context->ground(), {},
+                              grid_params_.scan, step);
+  }
+  const auto scene =
+      laser_params_.use && !state.frame.laser_scans.empty() ? laserScene(state) : std::nullopt;
+  if (scene) {
+    std::map<std::string, std::size_t> counts;  // those of the grid are reported
+    addLaserScans(state.frame.laser_scans, *scene, {}, laser_params_, scan, counts);
+  }
+  local_->add(state.frame.time, state.camera.T_odom_robot, scan, *camera_, step);
+  map_.update(std::make_shared<const map::LocalLayer>(*local_));
+}
+
 std::optional<GroundScan> Mapping::scanGround(const FrameState& state) const {
   const auto& ground = state.context->ground();
   if (!ground) return std::nullopt;
@@ -378,11 +419,19 @@ void Mapping::addLaser(const FrameState& state, std::optional<GroundScan>& scan)
   if (!state.T_map_robot) return leave_out("camera_lost");
   if (!state.T_odom_robot) return leave_out("time_repeated");
   if (!state.scans_ground) return leave_out("between_ground_scans");
+  const auto scene = laserScene(state);
+  if (!scene) return leave_out("ground_unknown");
+  if (!scan) scan.emplace();
+  addLaserScans(scans, *scene, state.objects.tracks, laser_params_, *scan, laser_counts_);
+}
+
+std::optional<LaserScene> Mapping::laserScene(const FrameState& state) const {
+  if (!state.context) return std::nullopt;
   const auto ground = groundOf(*state.context, *rig_);
-  if (!ground) return leave_out("ground_unknown");
+  if (!ground) return std::nullopt;
   LaserScene scene;
   scene.time = state.frame.time;
-  scene.T_odom_robot = *state.T_odom_robot;
+  scene.T_odom_robot = state.camera.T_odom_robot;
   scene.T_previous_robot = state.T_previous_robot;
   scene.interval_s = state.secondsSincePrevious();
   scene.ground = *ground;
@@ -390,8 +439,7 @@ void Mapping::addLaser(const FrameState& state, std::optional<GroundScan>& scan)
   scene.min_obstacle_height_m = grid_params_.scan.min_obstacle_height_m;
   scene.max_obstacle_height_m = grid_params_.scan.max_obstacle_height_m;
   scene.footprint = grid_params_.map.footprint;
-  if (!scan) scan.emplace();
-  addLaserScans(scans, scene, state.objects.tracks, laser_params_, *scan, laser_counts_);
+  return scene;
 }
 
 void Mapping::finish(StageTimes& times) {

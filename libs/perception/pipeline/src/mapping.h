@@ -2,6 +2,7 @@
 // The layers of the map: static map, grid, dense points and moving objects, for each submap.
 #pragma once
 
+#include <headway/map/local_layer.h>
 #include <headway/map/map_file.h>
 #include <headway/pipeline/perception.h>
 
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "frame_state.h"
+#include "laser_evidence.h"
 
 namespace headway::pipeline {
 
@@ -109,6 +111,8 @@ class Mapping {
 
   /// Whether the ground of this frame is to be scanned, as a period has passed.
   [[nodiscard]] bool takesTurn(const RecordedFrame& frame, const FrameRate& rate);
+  /// Whether each frame is scanned for what is blocked now.
+  [[nodiscard]] bool hasLocalLayer() const { return local_.has_value(); }
   /// Period of ground scans from now on; 0: none [s].
   void setPeriod(double period_s);
   /// The rate of frames as measured, on which rig() depends.
@@ -173,7 +177,10 @@ class Mapping {
   void discardScans(StageTimes& times);
   void updateStaticMap(const slam::MapView& static_map);
   void updateGrid(const FrameState& state, StageTimes& times);
+  void updateLocal(const FrameState& state, StageTimes& times);
   void updateDense(const FrameState& state, StageTimes& times);
+  /// The robot among the frame's laser scans; nullopt while the ground is unknown.
+  [[nodiscard]] std::optional<LaserScene> laserScene(const FrameState& state) const;
   /// Adds the frame's laser scans to the ground scan, or counts why they are not used.
   void addLaser(const FrameState& state, std::optional<GroundScan>& scan);
   /// The free ground and the obstacles of a frame that is tracked; nullopt without ground.
@@ -192,6 +199,7 @@ class Mapping {
   bool is_extended_;  ///< slam.mapping
   bool is_live_;      ///< no frame may be delayed by a correction of the whole map
   int submap_ = 0;
+  std::optional<map::LocalLayer> local_;  ///< nullopt: not asked for
   map::StaticGrid grid_;
   DenseMapper dense_;
   std::map<int, Layers> others_;  ///< of the other submaps

@@ -193,8 +193,10 @@ class Perception::Implementation {
     // What was seen before is no news of what moves or of what is free.
     const bool is_new = state.images != slam::ImageEvidence::kSeenBefore;
     state.scans_ground = is_new && mapping.takesTurn(frame, rate_);
+    state.scans_local = is_new && frame.stereo && mapping.hasLocalLayer();
     state.context = rectify(state);
-    state.boxes = detection.detectObjects(frame, state.context, is_new, state.scans_ground);
+    state.boxes = detection.detectObjects(frame, state.context, is_new,
+                                          state.scans_ground || state.scans_local);
     localise(state);
     state.found = detect(state);
     state.disparity_offset = localisation.disparityOffset(state);

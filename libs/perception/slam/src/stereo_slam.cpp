@@ -194,12 +194,10 @@ class StereoSlam::Implementation {
   std::optional<TrackedPose> track(const stereo::FrameContext& context,
                                    const TrackingFrame& current, const MovingRegions& moving) {
     relocalised_ = false;
-    if (!reference_) {
-      initialiseMotion(context);
-      if (map_.keyframes().empty()) return std::nullopt;
-    }
+    if (!reference_) initialiseMotion(context);
     std::optional<Pose> proposed;
     auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
+    if (map_.keyframes().empty()) return std::nullopt;
     const bool is_wide = !step;
     if (is_wide) step = visual_odometry_.proposeWide(current);
     if (step) proposed = normalized(motion_.last() * *step);
@@ -345,6 +343,7 @@ class StereoSlam::Implementation {
     update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
     update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
     update.T_odom_robot = normalized(motion_in_odom_.last() * T_cam_robot_);
+    update.is_motion_seen = is_step_seen_;
     update.T_map_odom =
         normalized(update.T_map_robot * update.T_odom_robot.inverse(Eigen::Isometry));
     // T_odom_robot is known exactly: it defines the odometry frame.

@@ -45,11 +45,13 @@ struct GroundScanParams {
 ///
 /// @param ground   before the camera, in this image
 /// @param moving   left out, with what they hide; the unsure ones, too
+/// @param step     columns from one that is scanned to the next
 /// @return         empty for a camera that looks straight down or lies on its side
 /// @see            Labayrade et al. 2002 (obstacles as what is upright in disparity); Badino et al.
 ///                 2007, "Free space computation using stochastic occupancy grids"
 [[nodiscard]] GroundScan scanGround(const stereo::DisparityImage& disparity,
                                     const StereoCamera& camera, const stereo::GroundPlane& ground,
-                                    const MovingRegions& moving, const GroundScanParams& params);
+                                    const MovingRegions& moving, const GroundScanParams& params,
+                                    int step = 1);
 
 }  // namespace headway::detect

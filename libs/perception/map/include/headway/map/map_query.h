@@ -4,6 +4,7 @@
 
 #include <headway/core/params.h>
 #include <headway/map/contact_probability.h>
+#include <headway/map/local_layer.h>
 #include <headway/map/perception_map.h>
 
 #include <optional>
@@ -29,6 +30,7 @@ struct MapQueryParams {
   double max_age_s = 0.5;                 ///< an older map is stale [s]
   double horizon_s = 3.0;                 ///< of predictions, after the map's time [s]
   double min_contact_probability = 0.05;  ///< minimum probability of a reported contact [-]
+  double caution = kCaution;              ///< about what is out of view, see LocalLayer [-]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "map_query"); }  ///< @throws InputError
@@ -38,7 +40,8 @@ struct MapQueryParams {
 struct Occupancy {
   QueryStatus status = QueryStatus::kUnknownPlace;
   double probability = 0.5;         ///< occupied by anything
-  double static_probability = 0.5;  ///< occupied in the static grid; 0.5: never observed
+  double static_probability = 0.5;  ///< by what the newest frames or the static grid show; 0.5:
+                                    ///< unknown
   double moving_probability = 0.0;  ///< occupied by one of the tracks
 };
 
@@ -97,6 +100,10 @@ struct Collision {
 
 /// Queries of one snapshot of the map, at one time, about points and times in the future.
 ///
+/// What the newest frames show around the robot (see LocalLayer) takes precedence over the static
+/// grid, whatever that says: what is blocked now is an obstacle, what is in view and not seen to be
+/// free is unknown. The place of a track that moves is judged by its predictions from 0.3 s on.
+///
 /// Places are in the map, or in the odometry frame (see PerceptionMap::inOdometryAt()). Every
 /// result has a status: a stale or empty map, an unobserved place and a time after the
 /// predictions' horizon are distinguished. Tentative tracks are ignored. A value: it shares
@@ -131,6 +138,13 @@ class MapQuery {
   [[nodiscard]] NearTracks tracksNear(const Eigen::Vector2d& place, double radius_m,
                                       Time time) const;
 
+  /// What the newest frames say about a place [m]; kNotInView if none was scanned for it.
+  [[nodiscard]] LocalState localAt(const Eigen::Vector2d& place) const;
+  /// Whether ground is free now: by the newest frames, where they do not say by the static grid.
+  [[nodiscard]] bool isGroundFree(const Eigen::Vector2d& place) const;
+  /// Where something stands by the newest frames: centres of cells [m].
+  [[nodiscard]] std::vector<Eigen::Vector2d> blockedNow() const;
+
   /// Checks the path from now to its end or to the end of predictions, in steps of 0.05 s.
   ///
   /// The probabilities refer to single times; they are correlated, so that the probability for the
@@ -150,7 +164,11 @@ class MapQuery {
     bool unknown = false;   ///< one of the cells was never observed
   };
 
-  [[nodiscard]] std::optional<double> staticOccupancyAt(double x, double y) const;
+  [[nodiscard]] std::optional<double> staticOccupancyAt(const Eigen::Vector2d& place) const;
+  /// Of the ground at a time: by the local layer where it knows, else by the static grid; nullopt
+  /// if unknown. @param place  in the map
+  [[nodiscard]] std::optional<double> groundAt(const Eigen::Vector2d& place, Time time) const;
+  [[nodiscard]] bool isOnMover(const Eigen::Vector2d& place) const;
   [[nodiscard]] StaticContact staticContact(const TimedPose& pose,
                                             const FootprintShape& footprint) const;
   void checkPose(const TimedPose& pose, const FootprintShape& footprint,
@@ -161,6 +179,7 @@ class MapQuery {
   Time now_;
   MapQueryParams params_;
   Eigen::Isometry2d T_map_asked_;
+  Eigen::Isometry2d T_odom_map_;
   QueryStatus status_;
 };
 

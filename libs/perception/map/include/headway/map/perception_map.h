@@ -12,10 +12,12 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace headway::map {
 
+class LocalLayer;
 class MapQuery;
 
 /// The map: static layers and moving objects as layers of one MRPT multi-metric map.
@@ -64,6 +66,9 @@ class PerceptionMap {
   /// the map (see MapQuery).
   [[nodiscard]] const Pose& odometryFrame() const { return T_map_odom_; }
 
+  /// Replaces what is blocked now, in the odometry frame; it is no layer of the multi-metric map.
+  void update(std::shared_ptr<const LocalLayer> local) { local_ = std::move(local); }
+
   /// Replaces the occupancy grid, or adds it as a layer (see StaticGrid). Must not be null.
   void update(const mrpt::maps::COccupancyGridMap2D::Ptr& static_grid);
 
@@ -89,6 +94,9 @@ class PerceptionMap {
     return layers_->mapByClass<mrpt::maps::COccupancyGridMap2D>();
   }
 
+  /// What is blocked now; null if no frame has been scanned for it. Include local_layer.h.
+  [[nodiscard]] const std::shared_ptr<const LocalLayer>& local() const { return local_; }
+
   /// Dense coloured points of the static world; null if the map has no such layer.
   [[nodiscard]] const mrpt::maps::CColouredPointsMap::ConstPtr& dense() const { return dense_; }
 
@@ -108,6 +116,7 @@ class PerceptionMap {
   std::shared_ptr<const CMovingObjectsMap> moving_objects_;     ///< one of layers_
   mrpt::maps::CColouredPointsMap::ConstPtr dense_;              ///< one of layers_, or null
   std::shared_ptr<const slam::MapView> static_map_;
+  std::shared_ptr<const LocalLayer> local_;
   Pose T_map_odom_ = Pose::Identity();
 };
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where moving objects will be, which of those places the robot could meet, and the parameters of section [nav].
+// Where moving objects will be, which of those places the robot could meet, and the parameters of
+// section [nav].
 #pragma once
 
 #include <headway/core/params.h>
 #include <headway/core/pose.h>
 #include <headway/core/track.h>
 #include <headway/map/contact_probability.h>
+#include <headway/map/local_layer.h>
 
 #include <string>
 #include <utility>
@@ -25,13 +27,14 @@ enum class ObstaclePolicy {
 
 /// The robot as a disc with a range of speeds, and as a rectangle for contacts.
 struct RobotMotionParams {
-  double radius_m = 0.35;      ///< of the smallest circle about its origin that encloses it [m]
-  double length_m = 0.5;       ///< centred at the origin [m]
-  double width_m = 0.45;       ///< [m]
-  double max_speed_mps = 1.0;  ///< forward [m/s]
-  double slow_ratio = 0.8;     ///< lowest assumed speed over max_speed_mps [-]
-  double early_slack_s = 0.0;  ///< by which the robot may be earlier [s]
-  double late_slack_s = 0.3;   ///< by which it may be later, for acceleration [s]
+  double radius_m = 0.35;          ///< of the smallest circle about its origin that encloses it [m]
+  double length_m = 0.5;           ///< centred at the origin [m]
+  double width_m = 0.45;           ///< [m]
+  double max_speed_mps = 1.0;      ///< forward [m/s]
+  double deceleration_mps2 = 1.0;  ///< of braking [m/s^2]
+  double slow_ratio = 0.8;         ///< lowest assumed speed over max_speed_mps [-]
+  double early_slack_s = 0.0;      ///< by which the robot may be earlier [s]
+  double late_slack_s = 0.3;       ///< by which it may be later, for acceleration [s]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "nav"); }  ///< @throws InputError
@@ -70,6 +73,7 @@ struct PredictiveObstaclesParams {
   double layer_spacing_m = 0.6;    ///< between the heights of points, for 3D robots [m]
   double max_range_m = 12.0;       ///< of places from the robot [m]
   bool use_static_grid = true;     ///< occupied cells of the map's grid are obstacles, too
+  double caution = map::kCaution;  ///< about what is out of view, see map::LocalLayer [-]
   RobotMotionParams robot;
   GovernorParams governor;
 

@@ -2,6 +2,7 @@
 // Obstacles of moving objects for any MRPT navigator: wraps the robot that it drives.
 #pragma once
 
+#include <headway/map/map_query.h>
 #include <headway/map/perception_map.h>
 #include <headway/nav/moving_obstacles.h>
 #include <headway/nav/speed_governor.h>
@@ -31,6 +32,7 @@ struct SenseReport {
   std::size_t moving_objects = 0;  ///< moving tracks that were considered
   std::size_t points_added = 0;    ///< at predicted places
   std::size_t static_points = 0;   ///< in occupied cells of the map's grid
+  std::size_t local_points = 0;    ///< where something stands now
   std::size_t points_removed = 0;  ///< of objects that leave in time
 };
 
@@ -39,7 +41,9 @@ struct SenseReport {
 /// Wraps the robot's own interface and forwards all calls to it. senseObstacles() adds, in the
 /// robot's frame, the predicted places of moving tracks at the times at which the robot could be
 /// there, and removes the sensed points of moving objects that leave before the robot arrives. It
-/// also adds the occupied cells of the map's grid, obstacles that the robot's sensors may not see.
+/// also adds what the camera's newest frames show to be blocked (see map::LocalLayer), and the
+/// occupied cells of the map's grid that they do not show to be free: obstacles that the robot's
+/// sensors may not see.
 /// Sensing fails, and MRPT stops the robot, if the map is too old or the robot's pose is unknown.
 ///
 /// The map is read through a function that returns a snapshot, once per call and in the calling
@@ -65,7 +69,8 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   /// Statistics of the last senseObstacles(), for the thread that calls it.
   [[nodiscard]] const SenseReport& lastReport() const { return report_; }
 
-  /// Forwards the command, scaled by SpeedGovernor (policy kTimeGated), or a stop.
+  /// Forwards the command, scaled by SpeedGovernor (policy kTimeGated), so that the robot can stop
+  /// on ground that is free now, or a stop.
   ///
   /// A stop if the command is not finite; with a policy that reads the map, if the map cannot be
   /// read or is too old, or the robot's pose in it is unknown; and with the governor, if the robot
@@ -114,6 +119,7 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
  private:
   /// The map; nullopt, and logged, if its source throws.
   [[nodiscard]] std::optional<map::PerceptionMap> readMap();
+  [[nodiscard]] map::MapQuery queryOf(const map::PerceptionMap& snapshot) const;
   /// The robot in the map's frame; nullopt if its pose is unknown.
   [[nodiscard]] std::optional<GroundState> locate(const map::PerceptionMap& snapshot);
   [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
@@ -121,7 +127,9 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   void removeLeaving(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
   void insertPredicted(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
   void insertStatic(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot,
-                    const mrpt::maps::COccupancyGridMap2D& grid);
+                    const mrpt::maps::COccupancyGridMap2D& grid, const map::MapQuery& query);
+  void insertLocal(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot,
+                   const map::MapQuery& query);
 
   struct Extent {
     double bottom;  ///< above ground [m]

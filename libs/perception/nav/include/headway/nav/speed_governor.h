@@ -6,6 +6,7 @@
 #include <headway/map/contact_probability.h>
 #include <headway/nav/moving_obstacles.h>
 
+#include <functional>
 #include <vector>
 
 namespace headway::nav {
@@ -33,7 +34,8 @@ struct GroundState {
 ///     cost(ratio) = contact_cost * P(contact | ratio) + (1 - ratio)
 ///
 /// so that the robot slows down to give way, and continues where slowing down would be worse. The
-/// cost of a contact decays with the time until it, since later steps can still avoid it.
+/// cost of a contact decays with the time until it, since later steps can still avoid it. Where the
+/// ground ahead is not known to be free, the robot drives no faster than it can brake before it.
 ///
 /// @see  path-velocity decomposition: Kant & Zucker, IJRR 1986
 class SpeedGovernor {
@@ -41,10 +43,18 @@ class SpeedGovernor {
   /// @throws InputError if a parameter is out of range
   explicit SpeedGovernor(const PredictiveObstaclesParams& params);
 
-  /// @param age_s  age of the tracks [s]
-  /// @return       ratio of the commanded speed, 0 to 1; the highest of equal cost
+  /// Whether the ground at a place of the map is free now.
+  using FreeGround = std::function<bool(const Eigen::Vector2d&)>;
+
+  /// A ratio is admissible only if the robot can brake on ground that is free now; what lies within
+  /// its radius, where it may turn on the spot, is not asked for.
+  ///
+  /// @param age_s    age of the tracks and of what is known about the ground [s]
+  /// @param is_free  empty: all ground counts as free
+  /// @return         ratio of the commanded speed, 0 to 1; the highest of equal cost
   [[nodiscard]] double speedRatio(const GroundTwist& command, const GroundState& robot,
-                                  const std::vector<Track>& tracks, double age_s);
+                                  const std::vector<Track>& tracks, double age_s,
+                                  const FreeGround& is_free = {});
 
  private:
   /// Positions of an object over time along one of its predicted paths.
@@ -57,6 +67,9 @@ class SpeedGovernor {
   };
 
   void predictFutures(const std::vector<Track>& tracks, const GroundState& robot, double age_s);
+  /// Whether the robot, driven at a speed, brakes on free ground.
+  [[nodiscard]] bool brakesOnFreeGround(double speed_mps, const GroundState& robot, double age_s,
+                                        const FreeGround& is_free) const;
   void drive(const GroundTwist& command, double ratio, const GroundState& from);
   [[nodiscard]] double contactProbability() const;
   [[nodiscard]] double contactProbability(const Future& future) const;

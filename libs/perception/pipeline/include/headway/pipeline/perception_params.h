@@ -49,6 +49,7 @@ void checkDetectorNames(const std::string& names);
 /// Occupancy grid from ground scans. Section [grid].
 struct GridParams {
   double period_s = 0.3;  ///< of ground scans; 0: no grid [s]
+  bool local = true;      ///< scan each frame for what is blocked now, see map::LocalLayer
   detect::GroundScanParams scan;
   map::StaticGridParams map;
 

@@ -115,6 +115,7 @@ struct SlamUpdate {
   /// slam.max_speed. While the camera is lost it goes on by wheel odometry or the gyroscope, else
   /// it slows down to a stop within 1 s.
   Pose T_odom_robot = Pose::Identity();
+  bool is_motion_seen = true;  ///< of the odometry since the frame before, in the images
   Pose T_map_odom = Pose::Identity();
   PoseCovariance map_odom_covariance = PoseCovariance::Identity();  ///< of T_map_odom
   MapRevision revision;  ///< of the map in which T_map_robot is

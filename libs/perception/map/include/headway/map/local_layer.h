@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is blocked and what is free around the robot now, by the newest frames.
+#pragma once
+
+#include <headway/core/params.h>
+#include <headway/core/scan.h>
+#include <headway/core/stereo_camera.h>
+#include <headway/map/static_grid.h>
+
+#include <optional>
+#include <vector>
+
+namespace headway::map {
+
+constexpr double kCaution = 0.5;  ///< of a robot about what is out of its view, unless it is told
+
+/// What the newest frames say about a place on the ground.
+enum class LocalState {
+  kBlocked,    ///< something stands there
+  kFree,       ///< it was seen to be free, and nothing was seen to enter it since
+  kUnknown,    ///< it is in view and not seen, or something may have entered it
+  kNotInView,  ///< nothing is known about it that is newer than the map
+};
+
+/// Obstacles and free ground of the last second, from every frame, in the odometry frame.
+///
+/// Independent of detectors, tracks, classes and of the map. Each cell sums the evidence of what
+/// hits it and of what passes it, by columns of the disparity image and beams of lasers, as a
+/// logarithm of odds that decays: in view within 0.5 s, so that only what is seen again stays free
+/// or blocked; out of view (nearer than the nearest visible ground, beside and behind the robot)
+/// within a time that the asker's caution chooses. What enters a place out of view was seen at the
+/// edge of the view, where it was free before: around it ground is unknown, as far as a person
+/// walks, until it is seen again or that time has passed.
+///
+/// Stereo and depth cameras make ground free, lasers never do (see GroundScan). The strip between
+/// the robot and the nearest visible ground counts as seen with that ground, unless something
+/// stands in it or may have entered it.
+///
+/// @see  Thrun, Burgard & Fox 2005, "Probabilistic Robotics", ch. 9 (occupancy by log odds)
+class LocalLayer {
+ public:
+  /// @param reach_m  of the scans; the layer ends there, at 3 m at least [m]
+  explicit LocalLayer(double reach_m = 0.0, const RobotFootprint& footprint = {});
+
+  /// Takes a frame.
+  ///
+  /// @param time    before the last one: the clock was set back, and all is forgotten [s]
+  /// @param scan    with all that moves; empty if nothing was seen
+  /// @param camera  that saw it; nullopt: lasers alone
+  /// @param step    from one scanned column of the disparity image to the next, 1 or 2
+  void add(Time time, const Pose& T_odom_robot, const GroundScan& scan,
+           const std::optional<StereoCamera>& camera, int step = 1);
+
+  /// @param place    odometry frame [m]
+  /// @param caution  0 to 1: how long (6 s with 1) and how far (at 1.5 m/s with 1) what is out of
+  ///                 view counts
+  [[nodiscard]] LocalState at(const Eigen::Vector2d& place, Time now, double caution) const;
+
+  /// Centres of all blocked cells, odometry frame [m].
+  [[nodiscard]] std::vector<Eigen::Vector2d> blocked(Time now, double caution) const;
+
+  [[nodiscard]] double cell_m() const { return cell_m_; }
+  [[nodiscard]] double reach_m() const { return reach_m_; }
+
+ private:
+  struct Cell {
+    int x = 0, y = 0;  ///< which of the cells with this index modulo the layer's size
+    float odds = 0.0F;
+    float seen_s = 0.0F;     ///< time of the odds, since the start
+    float free_s = -1.0e9F;  ///< time at which it was last free
+    float hit_s = -1.0e9F;   ///< and last hit
+  };
+  /// What was seen where the view ends.
+  struct Intruder {
+    Eigen::Vector2d place;
+    Time time;
+  };
+  struct Evidence {
+    float hits = 0.0F;
+    float passes = 0.0F;
+  };
+  class Frame;
+
+  [[nodiscard]] std::size_t indexOf(int x, int y) const;
+  [[nodiscard]] const Cell* find(const Eigen::Vector2d& place) const;
+  [[nodiscard]] Eigen::Vector2d centreOf(const Cell& cell) const {
+    return cell_m_ * Eigen::Vector2d(cell.x + 0.5, cell.y + 0.5);
+  }
+  [[nodiscard]] bool isInView(const Eigen::Vector2d& place) const;
+  [[nodiscard]] bool isGap(const Eigen::Vector2d& place, Time now) const;
+  [[nodiscard]] bool isAtEdgeOfView(const Eigen::Vector2d& place) const;
+  [[nodiscard]] double oddsOf(const Cell& cell, bool in_view, Time now, double hold_s) const;
+  [[nodiscard]] bool mayBeEntered(const Eigen::Vector2d& place, Time now, double caution) const;
+  [[nodiscard]] Eigen::Vector2d nearestOfRobot(const Eigen::Vector3f& point) const;
+  void addStrip(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Frame& frame) const;
+  void enter(const Frame& frame, Time time, double weight);
+  void dropSeenAgain(const Eigen::Vector2d& place, Time time);
+  void standAt(const Pose& T_odom_robot);
+
+  double reach_m_;
+  double cell_m_;
+  int size_;  ///< cells along a side
+  RobotFootprint footprint_;
+  std::vector<Cell> cells_;
+  std::vector<Intruder> intruders_;
+  std::optional<StereoCamera> camera_;
+  Pose T_odom_robot_ = Pose::Identity();
+  Pose T_cam_odom_ = Pose::Identity();
+  double ground_z_ = 0.0;  ///< odometry frame, under the robot [m]
+  Time start_ = 0.0;
+  Time time_ = 0.0;  ///< of the last frame
+  bool is_started_ = false;
+};
+
+}  // namespace headway::map

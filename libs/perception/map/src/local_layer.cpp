@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is blocked and what is free around the robot now, by the newest frames.
+#include <headway/map/local_layer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace headway::map {
+namespace {
+
+using Eigen::Vector2d;
+
+struct LocalEvidence {
+  // Logarithms of odds of one column of the disparity image. Neighbouring columns share half of the
+  // pixels that were matched, so that each counts half of ln(0.6 / 0.02), a surface that is matched
+  // against one matched where nothing is, and of ln(0.98 / 0.4).
+  double hit = 1.7;
+  double pass = 0.45;
+  double beam_hits = 3.0;       ///< columns that a beam of a laser, which hardly errs, counts
+  double most_per_frame = 2.0;  ///< matching errors are alike in a whole frame
+  double most = 3.0;            ///< so that one frame can say that ground is free no more
+  double known = 1.0;           ///< odds of 2.7 to 1
+  int free_round_gap = 5;       ///< of the eight cells round one that no column met
+  double in_view_s = 0.5;       ///< of decay: two frames at 5 Hz may be missed
+  // Of people who walk fast.
+  double hold_s = 6.0;  ///< of decay out of view, with caution 1: they pass 9 m
+  double speed_mps = 1.5;
+  double radius_m = 0.3;
+  double was_free_s = 2.0;  ///< before: what is blocked now has come
+};
+constexpr LocalEvidence kLocal;
+
+struct LocalSize {
+  double least_reach_m = 3.0;
+  int cells_to_reach = 80;
+  double least_cell_m = 0.05;
+  double most_cell_m = 0.25;
+};
+constexpr LocalSize kSize;
+
+}  // namespace
+
+/// What one frame says about each cell.
+class LocalLayer::Frame {
+ public:
+  explicit Frame(const LocalLayer& layer) : layer_(layer), cells_(layer.cells_.size()) {}
+
+  void addPass(const Vector2d& from, const Vector2d& to) {
+    const double step = 0.5 * layer_.cell_m_, length = (to - from).norm();
+    const int steps = static_cast<int>(length / step);
+    const Vector2d way = length > 0.0 ? Vector2d((to - from) / length) : Vector2d(Vector2d::Zero());
+    std::size_t last = cells_.size();
+    for (int i = 0; i <= steps; ++i) {
+      Evidence* cell = at(from + i * step * way, last);
+      if (cell != nullptr) cell->passes += 1.0F;
+    }
+  }
+
+  /// Spread along the line of sight by the uncertainty of its distance.
+  void addHit(const Vector2d& place, const Vector2d& from, double sigma_m, double weight) {
+    const Vector2d way = (place - from).normalized();
+    const double step = layer_.cell_m_;
+    const int steps = static_cast<int>(std::ceil(2.0 * sigma_m / step));
+    double sum = 0.0;
+    for (int i = -steps; i <= steps; ++i) sum += density(i * step, sigma_m);
+    for (int i = -steps; i <= steps; ++i) {
+      std::size_t last = cells_.size();
+      Evidence* cell = at(place + i * step * way, last);
+      const double share = density(i * step, sigma_m) / sum;
+      if (cell != nullptr) cell->hits += static_cast<float>(weight * share);
+    }
+  }
+
+  [[nodiscard]] const std::vector<Evidence>& cells() const { return cells_; }
+
+ private:
+  static double density(double distance, double sigma_m) {
+    const double sigmas = distance / std::max(1e-3, sigma_m);
+    return std::exp(-0.5 * sigmas * sigmas);
+  }
+
+  /// The cell at a place unless it is the last one, or beyond the layer: then null.
+  Evidence* at(const Vector2d& place, std::size_t& last) {
+    const Vector2d offset = place - layer_.T_odom_robot_.translation().head<2>();
+    if (!(offset.cwiseAbs().maxCoeff() < layer_.reach_m_)) return nullptr;
+    const std::size_t index =
+        layer_.indexOf(static_cast<int>(std::floor(place.x() / layer_.cell_m_)),
+                       static_cast<int>(std::floor(place.y() / layer_.cell_m_)));
+    return std::exchange(last, index) == index ? nullptr : &cells_[index];
+  }
+
+  const LocalLayer& layer_;
+  std::vector<Evidence> cells_;
+};
+
+LocalLayer::LocalLayer(double reach_m, const RobotFootprint& footprint)
+    : reach_m_(std::max(reach_m, kSize.least_reach_m)),
+      cell_m_(std::clamp(reach_m_ / kSize.cells_to_reach, kSize.least_cell_m, kSize.most_cell_m)),
+      size_(2 * static_cast<int>(std::ceil(reach_m_ / cell_m_)) + 2),
+      footprint_(footprint),
+      cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_)) {}
+
+std::size_t LocalLayer::indexOf(int x, int y) const {
+  const auto wrapped = [this](int i) {
+    return static_cast<std::size_t>(((i % size_) + size_) % size_);
+  };
+  return wrapped(y) * static_cast<std::size_t>(size_) + wrapped(x);
+}
+
+const LocalLayer::Cell* LocalLayer::find(const Vector2d& place) const {
+  const Vector2d offset = place - T_odom_robot_.translation().head<2>();
+  if (!is_started_ || !(offset.cwiseAbs().maxCoeff() < reach_m_)) return nullptr;
+  const int x = static_cast<int>(std::floor(place.x() / cell_m_));
+  const int y = static_cast<int>(std::floor(place.y() / cell_m_));
+  const Cell& cell = cells_[indexOf(x, y)];
+  return cell.x == x && cell.y == y && cell.odds != 0.0F ? &cell : nullptr;
+}
+
+bool LocalLayer::isInView(const Vector2d& place) const {
+  if (!camera_) return false;
+  const Vector2d offset = place - T_odom_robot_.translation().head<2>();
+  if (!(offset.norm() < reach_m_)) return false;
+  const auto uvd =
+      project(T_cam_odom_ * Eigen::Vector3d(place.x(), place.y(), ground_z_), *camera_);
+  return uvd && uvd->x() >= 0.0 && uvd->x() < camera_->width && uvd->y() < camera_->height;
+}
+
+bool LocalLayer::isAtEdgeOfView(const Vector2d& place) const {
+  for (const double x : {-kLocal.radius_m, kLocal.radius_m}) {
+    for (const double y : {-kLocal.radius_m, kLocal.radius_m}) {
+      if (!isInView(place + Vector2d(x, y))) return true;
+    }
+  }
+  return false;
+}
+
+double LocalLayer::oddsOf(const Cell& cell, bool in_view, Time now, double hold_s) const {
+  const double age_s = std::max(0.0, now - start_ - static_cast<double>(cell.seen_s));
+  return cell.odds *
+         std::exp(-age_s / (in_view ? kLocal.in_view_s : std::max(kLocal.in_view_s, hold_s)));
+}
+
+bool LocalLayer::mayBeEntered(const Vector2d& place, Time now, double caution) const {
+  return std::any_of(intruders_.begin(), intruders_.end(), [&](const Intruder& intruder) {
+    const double age_s = now - intruder.time;
+    return age_s <= caution * kLocal.hold_s &&
+           (place - intruder.place).norm() < kLocal.radius_m + caution * kLocal.speed_mps * age_s;
+  });
+}
+
+LocalState LocalLayer::at(const Vector2d& place, Time now, double caution) const {
+  const bool in_view = isInView(place);
+  const Cell* cell = find(place);
+  const double odds = cell == nullptr ? 0.0 : oddsOf(*cell, in_view, now, caution * kLocal.hold_s);
+  if (odds >= kLocal.known) return LocalState::kBlocked;
+  if (!in_view && mayBeEntered(place, now, caution)) return LocalState::kUnknown;
+  if (odds <= -kLocal.known) return LocalState::kFree;
+  if (in_view && isGap(place, now)) return LocalState::kFree;
+  return in_view ? LocalState::kUnknown : LocalState::kNotInView;
+}
+
+/// A cell without evidence of its own, narrower than what would be matched of an obstacle, between
+/// cells that are free.
+bool LocalLayer::isGap(const Vector2d& place, Time now) const {
+  int free = 0;
+  for (int i = 0; i < 9; ++i) {
+    const Cell* cell = find(place + cell_m_ * Vector2d(i % 3 - 1, i / 3 - 1));
+    const double odds = cell == nullptr ? 0.0 : oddsOf(*cell, true, now, 0.0);
+    const bool was_hit = cell != nullptr && now - start_ - cell->hit_s < kLocal.in_view_s;
+    if (was_hit) return false;
+    free += odds <= -kLocal.known ? 1 : 0;
+  }
+  return free >= kLocal.free_round_gap;
+}
+
+std::vector<Vector2d> LocalLayer::blocked(Time now, double caution) const {
+  std::vector<Vector2d> places;
+  for (const Cell& cell : cells_) {
+    if (cell.odds < kLocal.known) continue;
+    const Vector2d place = centreOf(cell);
+    if (find(place) == &cell && at(place, now, caution) == LocalState::kBlocked) {
+      places.push_back(place);
+    }
+  }
+  return places;
+}
+
+/// A gap between the robot and the ground that is seen first, as far as nothing stands in it.
+void LocalLayer::addStrip(const Vector2d& from, const Vector2d& to, Frame& frame) const {
+  const double length = (to - from).norm(), step = 0.5 * cell_m_;
+  Vector2d clear = to;
+  for (double back = 0.0; back < length; back += step) {
+    const Vector2d place = to + back / length * (from - to);
+    if (back > kLocal.radius_m && isInView(place)) return;  // the gap is in the image
+    const Cell* cell = find(place);
+    const bool is_blocked = cell != nullptr && oddsOf(*cell, false, time_, kLocal.hold_s) > 0.0;
+    if (is_blocked || mayBeEntered(place, time_, 1.0)) break;
+    clear = place;
+  }
+  frame.addPass(clear, to);
+}
+
+/// The point of the robot that is nearest to one in its frame.
+Vector2d LocalLayer::nearestOfRobot(const Eigen::Vector3f& point) const {
+  const Vector2d half(0.5 * footprint_.length_m, 0.5 * footprint_.width_m);
+  const Vector2d inside = point.head<2>().cast<double>().cwiseMax(-half).cwiseMin(half);
+  return (T_odom_robot_ * Eigen::Vector3d(inside.x(), inside.y(), 0.0)).head<2>();
+}
+
+void LocalLayer::add(Time time, const Pose& T_odom_robot, const GroundScan& scan,
+                     const std::optional<StereoCamera>& camera, int step) {
+  if (is_started_ && time < time_) *this = LocalLayer(reach_m_, footprint_);
+  if (!is_started_) start_ = time;
+  is_started_ = true;
+  time_ = time;
+  T_odom_robot_ = T_odom_robot;
+  camera_ = camera;
+  ground_z_ = T_odom_robot.translation().z();
+  if (camera_) T_cam_odom_ = (T_odom_robot * camera_->T_robot_cam).inverse(Eigen::Isometry);
+  const auto placeOf = [&](const Eigen::Vector3f& point) {
+    return Vector2d((T_odom_robot * point.cast<double>()).head<2>());
+  };
+  const Vector2d robot = T_odom_robot.translation().head<2>();
+  const Vector2d eye =
+      camera_ ? Vector2d((T_odom_robot * camera_->T_robot_cam).translation().head<2>()) : robot;
+  Frame frame(*this);
+  for (const auto& piece : scan.free) {
+    frame.addPass(placeOf(piece.from), placeOf(piece.to));
+    addStrip(nearestOfRobot(piece.from), placeOf(piece.from), frame);
+  }
+  for (const auto& obstacle : scan.obstacles) {
+    frame.addHit(placeOf(obstacle.foot), eye, obstacle.sigma_m, 1.0);
+  }
+  for (const auto& obstacle : scan.laser_obstacles) {
+    frame.addHit(placeOf(obstacle.foot), robot, obstacle.sigma_m, kLocal.beam_hits);
+  }
+  enter(frame, time, std::min(step, 2));
+  standAt(T_odom_robot);
+  intruders_.erase(std::remove_if(intruders_.begin(), intruders_.end(),
+                                  [&](const Intruder& i) { return time - i.time > kLocal.hold_s; }),
+                   intruders_.end());
+}
+
+void LocalLayer::enter(const Frame& frame, Time time, double weight) {
+  const auto now_s = static_cast<float>(time - start_);
+  const Vector2d robot = T_odom_robot_.translation().head<2>();
+  std::vector<Intruder> come;
+  const int first_x = static_cast<int>(std::floor((robot.x() - reach_m_) / cell_m_));
+  const int first_y = static_cast<int>(std::floor((robot.y() - reach_m_) / cell_m_));
+  for (int y = first_y; y < first_y + size_; ++y) {
+    for (int x = first_x; x < first_x + size_; ++x) {
+      const std::size_t index = indexOf(x, y);
+      const Evidence& evidence = frame.cells()[index];
+      if (evidence.hits == 0.0F && evidence.passes == 0.0F) continue;
+      Cell& cell = cells_[index];
+      if (cell.x != x || cell.y != y) cell = {x, y};
+      const Vector2d place = centreOf(cell);
+      const double before = oddsOf(cell, isInView(place), time, kLocal.hold_s);
+      const double change = weight * (kLocal.hit * evidence.hits - kLocal.pass * evidence.passes);
+      const double odds =
+          std::clamp(before + std::clamp(change, -kLocal.most_per_frame, kLocal.most_per_frame),
+                     -kLocal.most, kLocal.most);
+      cell.odds = static_cast<float>(odds);
+      cell.seen_s = now_s;
+      if (odds <= -kLocal.known) cell.free_s = now_s;
+      if (evidence.hits > 0.0F) cell.hit_s = now_s;
+      const bool has_come = odds >= kLocal.known && now_s - cell.free_s < kLocal.was_free_s;
+      if (!has_come) continue;
+      dropSeenAgain(place, time);
+      if (isAtEdgeOfView(place)) come.push_back({place, time});
+    }
+  }
+  intruders_.insert(intruders_.end(), come.begin(), come.end());
+}
+
+/// What was at the edge of the view and is in it now has not left it.
+void LocalLayer::dropSeenAgain(const Vector2d& place, Time time) {
+  const auto is_this = [&](const Intruder& intruder) {
+    return (place - intruder.place).norm() <
+           kLocal.radius_m + kLocal.speed_mps * (time - intruder.time);
+  };
+  intruders_.erase(std::remove_if(intruders_.begin(), intruders_.end(), is_this), intruders_.end());
+}
+
+/// The ground under the robot is free.
+void LocalLayer::standAt(const Pose& T_odom_robot) {
+  if (footprint_.empty()) return;
+  const double step = 0.5 * cell_m_;
+  const auto now_s = static_cast<float>(time_ - start_);
+  for (double dx = -0.5 * footprint_.length_m; dx <= 0.5 * footprint_.length_m; dx += step) {
+    for (double dy = -0.5 * footprint_.width_m; dy <= 0.5 * footprint_.width_m; dy += step) {
+      const Eigen::Vector3d place = T_odom_robot * Eigen::Vector3d(dx, dy, 0.0);
+      const int x = static_cast<int>(std::floor(place.x() / cell_m_));
+      const int y = static_cast<int>(std::floor(place.y() / cell_m_));
+      cells_[indexOf(x, y)] = {x, y, static_cast<float>(-kLocal.most), now_s, now_s, -1.0e9F};
+    }
+  }
+}
+
+}  // namespace headway::map

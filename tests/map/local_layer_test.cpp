@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is blocked and free now: evidence of frames, the blind zone, and what may have entered it.
+#include <gtest/gtest.h>
+#include <headway/map/local_layer.h>
+#include <headway/map/map_query.h>
+#include <headway_test/walking_track.h>
+
+#include <cmath>
+
+namespace headway::map {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr RobotFootprint kFootprint{0.5, 0.4};
+constexpr double kStep_s = 0.1;
+
+/// 0.5 m high, looking 10 degrees down: it sees the ground from 0.7 m on, to 42 degrees aside.
+StereoCamera camera() {
+  StereoCamera camera;
+  camera.width = 1280;
+  camera.height = 720;
+  camera.fx = camera.fy = 700.0;
+  camera.cx = 639.5;
+  camera.cy = 359.5;
+  camera.baseline_m = 0.12;
+  camera.T_robot_cam.linear() = expSo3({0.0, 10.0 * kDegree, 0.0}) * robotFromOptical().linear();
+  camera.T_robot_cam.translation().z() = 0.5;
+  return camera;
+}
+
+struct Scene {
+  std::vector<Vector2d> things;  ///< 0.2 m wide [m]
+  double ground_to_m = 5.0;
+};
+
+/// What a camera at the robot's origin sees of a scene, in columns of half a degree.
+GroundScan scanOf(const Scene& scene) {
+  GroundScan scan;
+  for (double bearing = -40.0; bearing <= 40.0; bearing += 0.5) {
+    const Vector2d ray(std::cos(bearing * kDegree), std::sin(bearing * kDegree));
+    double to = scene.ground_to_m;
+    for (const Vector2d& thing : scene.things) {
+      const double along = ray.dot(thing);
+      if (along < 0.0 || (thing - along * ray).norm() > 0.1) continue;
+      to = std::min(to, along);
+    }
+    const Vector2d from = 0.75 / ray.x() * ray;
+    const auto at = [&](double distance) {
+      const Vector2d place = distance * ray;
+      return Eigen::Vector3f(static_cast<float>(place.x()), static_cast<float>(place.y()), 0.0F);
+    };
+    if (to > from.norm()) scan.free.push_back({at(from.norm()), at(to - 0.05)});
+    if (to < scene.ground_to_m) scan.obstacles.push_back({at(to), 0.03F});
+  }
+  return scan;
+}
+
+/// A layer that takes frames of scenes, of a robot that stands at the origin.
+struct Frames {
+  LocalLayer layer{5.0, kFootprint};
+  Time now = 100.0;
+
+  void see(const GroundScan& scan, int frames = 5) {
+    for (int i = 0; i < frames; ++i) layer.add(now += kStep_s, Pose::Identity(), scan, camera());
+  }
+  void see(const Scene& scene, int frames = 5) { see(scanOf(scene), frames); }
+  [[nodiscard]] LocalState at(double x, double y, double caution = kCaution) const {
+    return layer.at({x, y}, now, caution);
+  }
+};
+
+TEST(LocalLayerTest, NothingIsFreeBeforeItWasSeen) {
+  Frames frames;
+  EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 0.0));
+  frames.see(GroundScan());
+  EXPECT_EQ(LocalState::kUnknown, frames.at(2.0, 0.0));
+  EXPECT_EQ(LocalState::kNotInView, frames.at(-2.0, 0.0));
+  EXPECT_EQ(LocalState::kFree, frames.at(0.0, 0.0)) << "the robot stands there";
+}
+
+TEST(LocalLayerTest, AnswersByTheNewestFrames) {
+  Frames frames;
+  frames.see(Scene());
+  EXPECT_EQ(LocalState::kFree, frames.at(2.0, 0.0));
+  frames.see({{{2.0, 0.0}}}, 1);
+  EXPECT_NE(LocalState::kFree, frames.at(2.0, 0.0)) << "at once";
+  frames.see({{{2.0, 0.0}}}, 1);
+  EXPECT_EQ(LocalState::kBlocked, frames.at(2.0, 0.0));
+  frames.see({{{2.0, 0.0}}});
+  EXPECT_EQ(LocalState::kUnknown, frames.at(3.0, 0.0)) << "hidden";
+  EXPECT_FALSE(frames.layer.blocked(frames.now, kCaution).empty());
+  frames.see(Scene());
+  EXPECT_EQ(LocalState::kFree, frames.at(2.0, 0.0)) << "it has left";
+  EXPECT_TRUE(frames.layer.blocked(frames.now, kCaution).empty());
+  frames.now += 1.0;
+  EXPECT_EQ(LocalState::kUnknown, frames.at(2.0, 0.0)) << "not seen for a second";
+}
+
+TEST(LocalLayerTest, OneWrongColumnBlocksNothing) {
+  Frames frames;
+  frames.see(Scene());
+  GroundScan scan = scanOf(Scene());
+  scan.obstacles.push_back({{2.0F, 0.0F, 0.0F}, 0.03F});
+  frames.see(scan, 1);
+  EXPECT_EQ(LocalState::kFree, frames.at(2.0, 0.0));
+}
+
+TEST(LocalLayerTest, TheStripBeforeTheRobotIsFreeAsTheGroundBehindIt) {
+  Frames frames;
+  frames.see(Scene());
+  EXPECT_EQ(LocalState::kFree, frames.at(0.45, 0.0));
+  Frames far_ground;
+  GroundScan scan;
+  for (const auto& piece : scanOf(Scene()).free) scan.free.push_back({2.0F * piece.from, piece.to});
+  far_ground.see(scan);
+  EXPECT_NE(LocalState::kFree, far_ground.at(0.45, 0.0)) << "ground in view is missing";
+}
+
+TEST(LocalLayerTest, WhatLeavesTheViewBlocksForAsLongAsCautionAsks) {
+  Frames frames;
+  frames.see(Scene());
+  for (const double y : {1.2, 1.4, 1.6}) frames.see({{{2.0, y}}}, 3);  // the view ends at 1.8 m
+  frames.see(Scene());
+  EXPECT_EQ(LocalState::kUnknown, frames.at(2.0, 2.1));
+  EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1, 0.0)) << "without caution";
+  EXPECT_EQ(LocalState::kNotInView, frames.at(-2.0, -2.0)) << "farther than a person walks";
+  EXPECT_EQ(LocalState::kFree, frames.at(2.0, 0.0)) << "it is seen to be free";
+  frames.see(Scene(), 40);
+  EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1));
+}
+
+TEST(LocalLayerTest, WhatComesBackFromTheEdgeHasNotLeft) {
+  Frames frames;
+  frames.see(Scene());
+  frames.see({{{2.0, 1.6}}}, 3);
+  for (const double y : {1.5, 1.4, 1.3, 1.2, 1.1, 1.0}) frames.see({{{2.0, y}}}, 2);
+  EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1));
+}
+
+TEST(LocalLayerTest, LasersBlockAndNeverFree) {
+  Frames frames;
+  GroundScan scan;
+  scan.laser_obstacles.push_back({{-1.5F, 0.0F, 0.0F}, 0.03F});
+  scan.laser_passed.push_back({{0.0F, 0.0F, 0.0F}, {-1.4F, 0.0F, 0.0F}});
+  frames.see(scan);
+  EXPECT_EQ(LocalState::kBlocked, frames.at(-1.5, 0.0));
+  EXPECT_EQ(LocalState::kNotInView, frames.at(-1.0, 0.0));
+}
+
+TEST(LocalLayerTest, PlacesStayWhereTheyAreWhileTheRobotMoves) {
+  LocalLayer layer(5.0, kFootprint);
+  Time now = 100.0;
+  for (int i = 0; i < 400; ++i) {
+    const Pose pose(Eigen::Translation3d(0.05 * i, 0.0, 0.0));
+    layer.add(now += kStep_s, pose, scanOf({{{2.0, 0.0}}}), camera());
+  }
+  const double x = 0.05 * 399;
+  EXPECT_EQ(LocalState::kBlocked, layer.at({x + 2.0, 0.0}, now, kCaution));
+  EXPECT_EQ(LocalState::kFree, layer.at({x + 1.0, 0.0}, now, kCaution));
+  EXPECT_EQ(LocalState::kNotInView, layer.at({2.0, 0.0}, now, kCaution)) << "out of reach";
+}
+
+TEST(LocalLayerTest, AClockSetBackForgetsAll) {
+  Frames frames;
+  frames.see(Scene());
+  frames.layer.add(50.0, Pose::Identity(), GroundScan(), camera());
+  EXPECT_EQ(LocalState::kUnknown, frames.layer.at({2.0, 0.0}, 50.0, kCaution));
+}
+
+/// The map of a robot at the origin: a grid in which all ground is free but what is at x = 3 m.
+PerceptionMap mapOf(const Frames& frames, const std::vector<Track>& tracks = {}) {
+  PerceptionMap map;
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-6.0F, 6.0F, -6.0F, 6.0F, 0.2F);
+  grid->fill(0.95F);
+  grid->setPos(3.0F, 0.0F, 0.05F);
+  map.update(grid);
+  map.update(frames.now, tracks);
+  map.update(std::make_shared<const LocalLayer>(frames.layer));
+  return map;
+}
+
+bool isFree(const PerceptionMap& map, Time now, const Vector2d& place, Time later = 0.0) {
+  const TimedPose pose{now + later, place, 0.0};
+  return map.at(now).timeToCollision({0.4, 0.4, true}, {pose}).isFree();
+}
+
+TEST(LocalLayerTest, QueriesTakeItBeforeTheMap) {
+  Frames frames;
+  frames.see({{{2.0, 0.5}}});
+  const PerceptionMap map = mapOf(frames);
+  EXPECT_FALSE(isFree(map, frames.now, {2.0, 0.5})) << "free in the map, blocked now";
+  EXPECT_FALSE(isFree(map, frames.now, {3.0, 0.75})) << "free in the map, hidden now";
+  EXPECT_TRUE(isFree(map, frames.now, {3.0, 0.0})) << "occupied in the map, free now";
+  EXPECT_TRUE(isFree(map, frames.now, {-2.0, 0.0})) << "behind, as the map says";
+  EXPECT_EQ(LocalState::kBlocked, map.at(frames.now).localAt({2.0, 0.5}));
+  EXPECT_NEAR(0.95, map.at(frames.now).occupancyAt(2.0, 0.5, frames.now).probability, 1e-9);
+}
+
+TEST(LocalLayerTest, QueriesWithoutAMapUseItAlone) {
+  Frames frames;
+  frames.see({{{2.0, 0.5}}});
+  PerceptionMap map;
+  map.update(frames.now, {});
+  map.update(std::make_shared<const LocalLayer>(frames.layer));
+  EXPECT_TRUE(isFree(map, frames.now, {2.0, -0.5}));
+  EXPECT_FALSE(isFree(map, frames.now, {2.0, 0.5}));
+  EXPECT_FALSE(isFree(map, frames.now, {-2.0, 0.0})) << "never seen";
+}
+
+TEST(LocalLayerTest, WhatATrackMovesAwayIsWhereItIsPredicted) {
+  Frames frames;
+  frames.see(Scene());
+  frames.see({{{2.0, 0.0}}}, 2);
+  const Track walker = test::walkingTrack(1, {2.0, 0.0}, {0.0, 1.2}, 0.05);
+  const PerceptionMap map = mapOf(frames, {walker});
+  const PerceptionMap unknown_thing = mapOf(frames);
+  EXPECT_FALSE(isFree(map, frames.now, {2.0, 0.0}));
+  const Collision later =
+      map.at(frames.now)
+          .timeToCollision({0.4, 0.4, true}, {{frames.now, {-1.0, 0.0}, 0.0},
+                                              {frames.now + 1.9, {-1.0, 0.0}, 0.0},
+                                              {frames.now + 2.0, {2.0, 0.0}, 0.0}});
+  EXPECT_LT(later.probability, 0.2);
+  EXPECT_FALSE(isFree(unknown_thing, frames.now, {2.0, 0.0}, 2.0));
+}
+
+}  // namespace
+}  // namespace headway::map
