@@ -12,14 +12,11 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kFirst_px = 0.2;       // before it is measured: as much as is assumed anyway
 constexpr double kLeast_px = 0.1;       // below it the noise of single points hides it
-constexpr double kMost_px = 10.0;       // above it no motion along the line of sight is significant
 constexpr double kPatchWidth_m = 0.5;   // of a person
 constexpr double kPatchHeight_m = 1.0;  // of that part of a person that hides nothing else
 constexpr double kPatchDepth = 1.15;    // ratio of disparities on one surface
 constexpr std::size_t kMinPoints = 3;   // as clusters and segments need
-constexpr double kMinSpan_s = 0.25;     // of observations, as of those of segments
 constexpr double kQuantile = 0.3;       // two of five patches may move before half of it is wrong
 constexpr double kChiAtQuantile = 0.1485;  // chi-square of 1 degree of freedom
 constexpr double kGain = 0.25;             // of a patch on the logarithm of a variance, in 0.1 s
@@ -88,7 +85,7 @@ double octaveOf(double disparity, std::size_t octaves) {
 
 }  // namespace
 
-DisparityDrift::DisparityDrift() { log_variances_.fill(2.0 * std::log(kFirst_px)); }
+DisparityDrift::DisparityDrift() { log_variances_.fill(2.0 * std::log(kCommonDisparity_px)); }
 
 void DisparityDrift::update(const std::vector<PointTrack>& points, const CameraPath& path,
                             const StereoCamera& camera, double noise_scale) {
@@ -103,8 +100,8 @@ void DisparityDrift::update(const std::vector<PointTrack>& points, const CameraP
       const bool is_faster = speed * speed > kChiAtQuantile * expected;
       const double step = is_faster ? kQuantile : kQuantile - 1.0;
       const double weight = std::pow(kOfNextOctave, std::abs(octave - static_cast<double>(k)));
-      log_variances_[k] = std::clamp(log_variances_[k] + gain * weight * step,
-                                     2.0 * std::log(kLeast_px), 2.0 * std::log(kMost_px));
+      log_variances_[k] =
+          std::max(log_variances_[k] + gain * weight * step, 2.0 * std::log(kLeast_px));
     }
   }
 }

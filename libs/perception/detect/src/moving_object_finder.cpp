@@ -4,6 +4,7 @@
 #include "moving_object_finder.h"
 
 #include <headway/core/box_overlap.h>
+#include <headway/core/statistics.h>
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -75,12 +76,11 @@ void setVelocity(const std::vector<PointTrack>& points, const Eigen::Vector3d& u
 }
 
 // Directive 96/53/EC: an articulated vehicle.
-constexpr double kMaxLength = 16.5;            // [m]
-constexpr double kMaxWidth = 2.6;              // [m]
-constexpr double kWidthPerLength = 0.1;        // by an error of the direction of motion [m/m]
-constexpr double kTouch = 0.5;                 // greatest gap between pieces [m]
-constexpr double kMaxSquaredDifference = 9.2;  // of velocities: 99 % of chi-square, 2 degrees
-constexpr double kVelocityRatio = 0.05;        // of a speed, error common to a piece [-]
+constexpr double kMaxLength = 16.5;      // [m]
+constexpr double kMaxWidth = 2.6;        // [m]
+constexpr double kWidthPerLength = 0.1;  // by an error of the direction of motion [m/m]
+constexpr double kTouch = 0.5;           // greatest gap between pieces [m]
+constexpr double kVelocityRatio = 0.05;  // of a speed, error common to a piece [-]
 
 double gap(const Range& a, const Range& b) { return std::max({0.0, a.min - b.max, b.min - a.max}); }
 
@@ -129,7 +129,7 @@ bool moveAlike(const MovingObject& a, const MovingObject& b, const Eigen::Vector
   const Eigen::Matrix3d covariance = a.velocity.covariance + b.velocity.covariance +
                                      common * common * Eigen::Matrix3d::Identity() +
                                      up * up.transpose();
-  return difference.dot(covariance.inverse() * difference) < kMaxSquaredDifference;
+  return difference.dot(covariance.inverse() * difference) < chiSquare99(2);
 }
 
 MeasuredVelocity meanOf(const MeasuredVelocity& a, const MeasuredVelocity& b,

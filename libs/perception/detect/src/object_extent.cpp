@@ -22,8 +22,7 @@ constexpr double kMaxHeight = 3.8;        // above ground [m]
 constexpr double kMinHeight = 0.4;        // of what is seen of a moving object [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kMinAfloat = 0.35;       // of something that the view below it is tested of [m]
-constexpr double kFarther = 1.5;          // disparity by which they are farther [px]
-constexpr double kFartherRatio = 0.1;     // or this ratio of it
+constexpr double kFarther = 1.5;          // disparity by which they are farther, or the ratio [px]
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
@@ -244,7 +243,7 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   extent.box = boxAround(cells, front, floor, extent.object_class);
   const Eigen::Vector3d sight = extent.box.centre.normalized();
   const double across = kEdgeSigma * extent.box.centre.z() / camera.fx + 0.1;
-  const double along = std::hypot(across, 0.3 * per_px + 0.1 * extent.box.length);
+  const double along = std::hypot(across, kSurfaceSigma_px * per_px + 0.1 * extent.box.length);
   extent.centre_covariance = across * across * Eigen::Matrix3d::Identity() +
                              (along * along - across * across) * sight * sight.transpose();
   return extent;

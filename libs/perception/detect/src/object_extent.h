@@ -29,7 +29,11 @@ struct Range {
 
 inline constexpr double kFastestWalker = 3.2;  // [m/s]
 inline constexpr double kCellSigma = 0.4;      // of the disparity of a cell [px]
-inline constexpr int kMinPersonCells = 20;     // that show a person
+/// Error of the matches of one surface that all its cells share [px].
+inline constexpr double kSurfaceSigma_px = 0.3;
+/// Ratio of disparities from which something is farther than an object.
+inline constexpr double kFartherRatio = 0.1;
+inline constexpr int kMinPersonCells = 20;  // that show a person
 
 /// A cell of the disparity image that belongs to an object.
 struct ObjectCell {

@@ -16,9 +16,10 @@
 namespace headway::detect {
 
 inline constexpr double kMinDisparity =
-    1.0;                                 ///< of an observation; farther ones are all noise [px]
-inline constexpr double kGoodFit = 3.0;  ///< squared error to a degree of freedom
-inline constexpr int kMinFitted = 4;     ///< observations from which the fit of a motion counts
+    1.0;                                    ///< of an observation; farther ones are all noise [px]
+inline constexpr double kGoodFit = 3.0;     ///< squared error to a degree of freedom
+inline constexpr int kMinFitted = 4;        ///< observations from which the fit of a motion counts
+inline constexpr double kMinSpan_s = 0.25;  ///< of observations that show a velocity [s]
 /// Growth with depth of the distances within which things belong together [m/m].
 inline constexpr double kGatePerMetre = 0.02;
 

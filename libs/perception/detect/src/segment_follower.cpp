@@ -21,12 +21,11 @@ constexpr double kSegmentGate = 0.6;    // between a segment and its expected pl
 constexpr double kGateDisparity = 1.0;  // and, along the line of sight, by this much disparity [px]
 constexpr double kEdge = 0.5;           // error of a segment's centre [px]
 constexpr double kEdgeRatio = 0.03;     // and ratio to its width
-constexpr double kSegmentDisparitySigma = 0.3;  // [px]
-constexpr double kRowSigma = 30.0;              // feet and heads are cut off at random [px]
-constexpr double kMaxMissed_s = 0.35;           // three frames at 10 Hz; the next one at any rate
-constexpr double kFlowTime_s = 0.55;            // of the flows kept of a segment, five at 10 Hz
-constexpr std::size_t kMinFlows = 3;            // of these, at any rate: one may be a mismatch
-constexpr double kMinTravel = 0.3;              // within the window [m]
+constexpr double kRowSigma = 30.0;      // feet and heads are cut off at random [px]
+constexpr double kMaxMissed_s = 0.35;   // three frames at 10 Hz; the next one at any rate
+constexpr double kFlowTime_s = 0.55;    // of the flows kept of a segment, five at 10 Hz
+constexpr std::size_t kMinFlows = 3;    // of these, at any rate: one may be a mismatch
+constexpr double kMinTravel = 0.3;      // within the window [m]
 
 double secondsOf(const std::deque<LateralSpeed>& flows) {
   double seconds = 0.0;
@@ -35,7 +34,7 @@ double secondsOf(const std::deque<LateralSpeed>& flows) {
 }
 
 ObservationNoise noiseOf(const UprightSegment& segment) {
-  return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kSegmentDisparitySigma};
+  return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kSurfaceSigma_px};
 }
 
 Eigen::Vector3d placeOf(const UprightSegment& segment, const CameraPath& path,
@@ -76,7 +75,6 @@ class Gate {
 
 constexpr double kPartTail = 4.0;     // squared distance at which a part has half its weight
 constexpr double kMedianLoss = 1.25;  // standard error of a median over that of a mean
-constexpr double kMinSpan = 0.25;     // of observations [s]
 
 // Velocity of one part over the ground: along the line of sight, and across it.
 struct Part {
@@ -178,7 +176,7 @@ void addPoints(const UprightSegment& segment, const std::vector<PointTrack>& poi
         cv::Rect({0, 0}, inside.size()).contains(cell) && inside.at<unsigned char>(cell) != 0;
     if (!here || static_cast<int>(point.observations.size()) < params.min_observations) continue;
     const double seconds = now - path.timeOf(point.observations.front().frame);
-    if (seconds < kMinSpan) continue;
+    if (seconds < kMinSpan_s) continue;
     const auto motion =
         fitMotion(point.observations, path, camera, ObservationNoise(), params.speed_prior);
     if (!motion) continue;
@@ -292,7 +290,7 @@ std::optional<SegmentMotion> segmentMotion(
   const Axes axes = axesTo(segment, path, camera, up);
   Parts all;
   addPoints(segment, points, disparity, path, camera, axes, params, all);
-  if (outline) all.add(partOf(*outline, axes, 1.0), kMinSpan);
+  if (outline) all.add(partOf(*outline, axes, 1.0), kMinSpan_s);
   const bool flows = areEnough(across, params);
   if (flows) {
     const Eigen::Vector3d right = path.T_cam_world(path.newest()).linear().row(0);

@@ -12,6 +12,8 @@
 #include <map>
 #include <vector>
 
+#include "object_extent.h"
+
 namespace headway::detect {
 
 std::optional<ClassSize> classSize(ObjectClass object_class) {
@@ -48,9 +50,8 @@ struct DisparitySample {
 
 constexpr double kBoxMargin = 0.05;    // of the box's width and height left out at each edge
 constexpr double kMinWeight = 4.0;     // of the samples that make a mode, in cells
-constexpr double kStereoSigma = 0.3;   // of one surface's disparity, common to its cells [px]
 constexpr double kBoxSigma = 2.0;      // of the box's edges [px]
-constexpr double kShapeSpread = 0.08;  // of projected height over true height: poses, tilt
+constexpr double kShapeSpread = 0.08;  // of what is seen of a size over the size: poses, tilt
 constexpr double kPriorFloor = 0.05;   // weight of a mode that contradicts the size
 constexpr double kGridStep = 1.015;    // from one disparity tried to the next
 
@@ -133,11 +134,11 @@ SurfaceDepth surfaceAt(double mode, const std::vector<Weighted>& sorted) {
     passed += member.weight;
     if (passed >= 0.5 * total) {
       const double scatter = reach / std::sqrt(total);
-      return {member.disparity, std::hypot(kStereoSigma, scatter),
+      return {member.disparity, std::hypot(kSurfaceSigma_px, scatter),
               static_cast<int>(members.size())};
     }
   }
-  return {mode, std::hypot(kStereoSigma, reach), static_cast<int>(members.size())};
+  return {mode, std::hypot(kSurfaceSigma_px, reach), static_cast<int>(members.size())};
 }
 
 /// Stereo measurements inside a box, without those on the ground.
@@ -204,7 +205,6 @@ constexpr int kHeadings = 36;                  // tried in half a turn
 constexpr double kColumnsThatCount = 12.0;     // neighbouring columns err together
 constexpr double kColumnDisparitySigma = 0.5;  // of a column [px]
 constexpr double kShapeSigma = 0.2;            // of a real side off a flat one [m]
-constexpr double kSizeSpread = 0.08;           // of length and width
 
 struct Column {
   double slope;  // x over z of its ray
@@ -304,7 +304,7 @@ struct Edges {
     if (!left_seen || !right_seen) return 0.0;
     const auto [min, max] = rectangle.outline();
     const double width = right - left;
-    const double off = (max - min - width) / std::hypot(1.4 * sigma, kSizeSpread * width);
+    const double off = (max - min - width) / std::hypot(1.4 * sigma, kShapeSpread * width);
     return off * off;
   }
 };

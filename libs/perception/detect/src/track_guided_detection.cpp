@@ -22,8 +22,7 @@ constexpr double kIndistinctTime = 0.7;  // in which it is searched though these
 constexpr double kMinTrackedDepth = 0.3;   // of a searched object: the nearest any rig matches [m]
 constexpr double kMinVisibleRatio = 0.25;  // of the box left inside the image, of its width
 constexpr double kMinVisibleHeight = 8.0;  // [px]
-constexpr double kDepthTolerance = 1.2;    // of its disparity, towards farther [px]
-constexpr double kDepthToleranceRatio = 0.1;  // or this ratio of it
+constexpr double kDepthTolerance = 1.2;  // of its disparity, towards farther, or kFartherRatio [px]
 
 constexpr DetectionEvidence kByFlow{false, false, true, false};
 constexpr DetectionEvidence kByAppearance{false, false, false, true};
@@ -163,7 +162,7 @@ bool isSeenFarther(const std::vector<cv::Point>& cells, double expected_disparit
   if (values.empty() || 2 * values.size() < cells.size()) return false;
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return expected_disparity - values[values.size() / 2] >
-         std::max(kDepthTolerance, kDepthToleranceRatio * expected_disparity);
+         std::max(kDepthTolerance, kFartherRatio * expected_disparity);
 }
 
 std::optional<ObjectExtent> extentByAppearance(const SearchedObject& object,

@@ -185,7 +185,6 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
 constexpr float kMovingSigmas = 3.5F;    // sigmas from which a cell is moving
 constexpr double kMinCellAcross = 0.25;  // speed of a moving cell across the line of sight [m/s]
 constexpr std::size_t kMinKnown = 12;    // of a segment with measured flow
-constexpr double kCommonSigma = 0.3;     // error common to all cells of a segment [px]
 constexpr double kSurely = 4.0;          // sigmas from which a segment is moving for certain
 const cv::Size kFlowGaps(5, 5);          // between moving cells that are closed [cells]
 
@@ -208,7 +207,7 @@ std::optional<LateralSpeed> acrossSpeed(const UprightSegment& segment, const Res
   const double middle = median(flows);
   std::vector<double> off;
   for (const double residual : flows) off.push_back(std::abs(residual - middle));
-  const double sigma = std::hypot(kCommonSigma, std::max(median(off), median(sigmas)));
+  const double sigma = std::hypot(kSurfaceSigma_px, std::max(median(off), median(sigmas)));
   return LateralSpeed{acrossOf(middle, segment.uvd.z(), flow.seconds, camera),
                       acrossOf(sigma, segment.uvd.z(), flow.seconds, camera), flow.seconds};
 }
