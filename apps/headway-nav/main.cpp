@@ -6,6 +6,7 @@
 #include <headway/program/files.h>
 #include <headway/program/picture_files.h>
 #include <headway/program/progress.h>
+#include <headway/sim/rigs.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -18,7 +19,9 @@
 #include <tuple>
 #include <vector>
 
+#include "drive.h"
 #include "policy_figures.h"
+#include "trial_jobs.h"
 #include "trial_pictures.h"
 
 namespace headway::app {
@@ -38,8 +41,22 @@ std::string recordingName(const std::string& folder, int seed) {
   return folder + cv::format("/trial_%04d", seed);
 }
 
-/// Writes `FOLDER/trial_NNNN.mp4` and `FOLDER/trial_NNNN.png` of one trial, all policies side
-/// by side. Without an encoder, the video is a folder of numbered pictures.
+/// Writes a video of one trial, all policies side by side. Without an encoder, it is a folder of
+/// numbered pictures.
+///
+/// @return          path of what was written
+std::string writeVideo(const std::vector<TrialRecord>& records, const RobotParams& robot,
+                       const std::string& path) {
+  const int count = static_cast<int>((endOf(records) + 1.0) * kPicturesPerSecond);
+  const cv::Size size = drawMoment(records, robot, 0.0).size();
+  program::VideoOutput video(path, kPicturesPerSecond, size, true,
+                             [](const std::string&) {});  // the returned path shows it
+  for (int i = 0; i < count; ++i) video.add(drawMoment(records, robot, i / kPicturesPerSecond));
+  video.finish();
+  return video.path();
+}
+
+/// Writes `FOLDER/trial_NNNN.mp4` and `FOLDER/trial_NNNN.png` of one trial.
 ///
 /// @return          the files written
 /// @throws InputError if the folder cannot be written
@@ -51,15 +68,10 @@ std::vector<std::string> writeRecording(const std::vector<TrialRecord>& records,
   if (failed) throw InputError(folder + ": cannot be created (" + failed.message() + ")");
   const std::string name = recordingName(folder, seed);
   program::writePicture(name + ".png", drawWhole(records, robot));
-
-  const int count = static_cast<int>((endOf(records) + 1.0) * kPicturesPerSecond);
-  const cv::Size size = drawMoment(records, robot, 0.0).size();
-  program::VideoOutput video(name + ".mp4", kPicturesPerSecond, size, true,
-                             [](const std::string&) {});  // the returned path shows it
-  for (int i = 0; i < count; ++i) video.add(drawMoment(records, robot, i / kPicturesPerSecond));
-  video.finish();
-  return {name + ".png", video.path()};
+  return {name + ".png", writeVideo(records, robot, name + ".mp4")};
 }
+
+bool isVideo(const std::string& path) { return std::filesystem::path(path).extension() == ".mp4"; }
 
 struct Options {
   int trials = 20;
@@ -68,7 +80,11 @@ struct Options {
   std::string json;
   std::string video;
   std::string filmed = "1";
-  std::string worst;  ///< picture of the worst trial; empty: none
+  std::string worst;  ///< picture or video of the worst trial; empty: none
+  std::string world;  ///< name or file; empty: abstract scenes
+  std::string rig;    ///< empty: the world's
+  std::string sense;  ///< empty: images in a world, else detections
+  int jobs = 1;
   bool overwrite = false;
   bool quiet = false;
 };
@@ -112,21 +128,36 @@ void requireWritable(const Options& options) {
   }
 }
 
+/// What runs trials with each of the chosen policies.
+using Runners = std::vector<std::unique_ptr<Trials>>;
+
+Runners makeRunners(const Options& options, TrialSetup setup, DriveSetup drive) {
+  Runners runners;
+  for (const auto policy : chosenPolicies(options.policy)) {
+    setup.nav.policy = drive.nav.policy = policy;
+    if (options.world.empty()) {
+      runners.push_back(std::make_unique<TrialRunner>(setup));
+    } else {
+      runners.push_back(std::make_unique<DriveRunner>(drive));
+    }
+  }
+  return runners;
+}
+
 /// Runs one trial with each policy.
 ///
 /// @param record  keep the planning steps, for pictures
 /// @return        one record for each policy
-std::vector<TrialRecord> runTrial(const std::vector<std::unique_ptr<TrialRunner>>& runners,
-                                  std::vector<PolicyTrials>& policies, std::uint64_t seed,
-                                  bool record) {
+std::vector<TrialRecord> runTrial(const Options& options, const Runners& runners,
+                                  std::uint64_t seed, bool record) {
   std::vector<TrialRecord> records;
+  const auto policies = chosenPolicies(options.policy);
   for (std::size_t p = 0; p < policies.size(); ++p) {
     TrialRecord& trial = records.emplace_back();
     TrialObserver observer;
     if (record) observer = [&](const TrialMoment& moment) { trial.moments.push_back(moment); };
     trial.result = runners[p]->run(seed, observer);
-    trial.policy = nameOf(policies[p].policy);
-    policies[p].trials.push_back(trial.result);
+    trial.policy = nameOf(policies[p]);
   }
   return records;
 }
@@ -150,9 +181,18 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.json, 0, "json", "FILE", "Write the figures as JSON");
   line.option(options.video, 0, "video", "DIR", "Write videos and top views of filmed trials");
   line.option(options.filmed, 0, "film", "N,N,...", "Trials to be filmed, from 1; default 1");
-  line.option(options.worst, 0, "worst", "FILE.png",
-              "Draw the worst trial: most collisions, then goals not reached, then least "
+  line.option(options.worst, 0, "worst", "FILE.png|FILE.mp4",
+              "Draw or film the worst trial: most collisions, then goals not reached, then least "
               "distance");
+  line.option(options.world, 0, "world", "hall|campus|warehouse|yard-loop|FILE.ini",
+              "Drive through a simulated world, on a course of 15 to 30 m past people");
+  line.option(options.rig, 0, "rig", "NAME",
+              "Rig instead of the world's: robot, small or rgbd (depth camera)");
+  line.option(options.sense, 0, "sense", "images|truth|detections",
+              "By what the robot drives: its rendered images (default with --world), true tracks "
+              "and grid, or a simulated detector (default without)");
+  line.option(options.jobs, 0, "jobs", "N",
+              "Trials at the same time, each in a process; default 1");
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite files that exist");
 }
 
@@ -180,47 +220,86 @@ std::uint64_t worstSeed(const std::vector<PolicyTrials>& policies) {
 }
 
 /// Drives the worst trial again, for its picture.
-void writeWorst(const Options& options, const TrialSetup& setup,
-                const std::vector<std::unique_ptr<TrialRunner>>& runners,
+void writeWorst(const Options& options, const Runners& runners, const RobotParams& robot,
                 const std::vector<PolicyTrials>& driven) {
   if (options.worst.empty() || driven.front().trials.empty()) return;
   const std::uint64_t seed = worstSeed(driven);
-  auto policies = driven;
-  const auto records = runTrial(runners, policies, seed, true);
-  program::writePicture(options.worst, drawWhole(records, setup.world.robot));
+  const auto records = runTrial(options, runners, seed, true);
+  std::string path = options.worst;
+  if (isVideo(path)) {
+    path = writeVideo(records, robot, path);
+  } else {
+    program::writePicture(path, drawWhole(records, robot));
+  }
   if (!options.quiet) {
-    std::cout << "wrote " << options.worst << ": the worst trial, seed " << seed << '\n';
+    std::cout << "wrote " << path << ": the worst trial, seed " << seed << '\n';
   }
 }
 
-int runAll(const Options& options, TrialSetup setup) {
-  std::vector<PolicyTrials> policies;
-  std::vector<std::unique_ptr<TrialRunner>> runners;
-  for (const auto policy : chosenPolicies(options.policy)) {
-    policies.push_back({policy, {}});
-    setup.nav.policy = policy;
-    runners.push_back(std::make_unique<TrialRunner>(setup));
-  }
+int runAll(const Options& options, const TrialSetup& setup, const DriveSetup& drive) {
   const auto filmed = filmedTrials(options.filmed);
-  std::vector<std::string> written;
+  const RobotParams& robot = setup.world.robot;
+  const auto start = [&]() -> std::function<TrialOutcome(std::size_t)> {
+    const auto runners = std::make_shared<Runners>(makeRunners(options, setup, drive));
+    return [&, runners](std::size_t i) {
+      const int seed = options.seed + static_cast<int>(i);
+      const bool film = !options.video.empty() && filmed.count(static_cast<int>(i) + 1) > 0;
+      const auto records = runTrial(options, *runners, static_cast<std::uint64_t>(seed), film);
+      TrialOutcome outcome;
+      for (const auto& record : records) outcome.results.push_back(record.result);
+      if (film) outcome.written = writeRecording(records, robot, seed, options.video);
+      return outcome;
+    };
+  };
   program::catchInterrupts();
   program::Progress progress("trials", options.quiet);
-  for (int i = 0; i < options.trials && !program::interrupted(); ++i) {
-    const auto seed = static_cast<std::uint64_t>(options.seed + i);
-    const bool film = !options.video.empty() && filmed.count(i + 1) > 0;
-    const auto records = runTrial(runners, policies, seed, film);
-    if (film) {
-      for (const auto& file :
-           writeRecording(records, setup.world.robot, options.seed + i, options.video)) {
-        written.push_back(file);
-      }
-    }
-    progress.update(static_cast<std::size_t>(i + 1), (i + 1.0) / options.trials);
-  }
+  const auto outcomes = runTrials(
+      options.jobs, static_cast<std::size_t>(options.trials), start,
+      [&](std::size_t done) { progress.update(done, static_cast<double>(done) / options.trials); });
   progress.finish();
+  std::vector<PolicyTrials> policies;
+  std::vector<std::string> written;
+  for (const auto policy : chosenPolicies(options.policy)) policies.push_back({policy, {}});
+  for (const TrialOutcome& outcome : outcomes) {
+    for (std::size_t p = 0; p < policies.size(); ++p) {
+      policies[p].trials.push_back(outcome.results[p]);
+    }
+    written.insert(written.end(), outcome.written.begin(), outcome.written.end());
+  }
   report(options, policies, written);
-  writeWorst(options, setup, runners, policies);
+  if (!options.worst.empty()) {
+    writeWorst(options, makeRunners(options, setup, drive), robot, policies);
+  }
   return program::kDone;
+}
+
+/// The world that is named, with the rig that is.
+void loadWorld(const Options& options, DriveSetup& drive) {
+  if (options.world.empty()) {
+    if (!options.rig.empty()) throw program::UsageError("--rig: needs --world");
+    if (drive.sense != Sense::kDetections) throw program::UsageError("--sense: needs --world");
+    return;
+  }
+  if (drive.sense == Sense::kDetections) {
+    throw program::UsageError("--sense detections: is for scenes without --world");
+  }
+  Params params;
+  drive.world.describe(params);
+  const bool is_file = std::filesystem::path(options.world).extension() == ".ini";
+  params.loadFile(is_file ? options.world
+                          : program::findDataFile("config/worlds/" + options.world + ".ini"));
+  if (!options.rig.empty()) sim::applyRig(options.rig, drive.world.camera);
+  drive.world.camera.colour = false;  // perception does without, and is faster
+}
+
+/// Where the robot's knowledge comes from.
+Sense chosenSense(const Options& options) {
+  if (options.sense.empty()) return options.world.empty() ? Sense::kDetections : Sense::kImages;
+  for (const auto& [name, sense] : senses()) {
+    if (name == options.sense) return sense;
+  }
+  throw program::UsageError("--sense: '" + options.sense +
+                            "' is none of images, truth, detections");
 }
 
 }  // namespace
@@ -251,13 +330,20 @@ int main(int argc, char** argv) {
     }
     if (options.trials < 1) throw program::UsageError("--trials: must be at least 1");
     if (options.seed < 0) throw program::UsageError("--seed: must not be negative");
+    if (options.jobs < 1) throw program::UsageError("--jobs: must be at least 1");
     app::requireWritable(options);
+    app::DriveSetup drive;
+    drive.sense = app::chosenSense(options);
+    app::loadWorld(options, drive);
     // The predictive obstacles need the parameters of the simulated robot.
     setup.nav.robot.radius_m = setup.world.robot.radius();
     setup.nav.robot.length_m = setup.world.robot.length_m;
     setup.nav.robot.width_m = setup.world.robot.width_m;
     setup.nav.robot.max_speed_mps = setup.world.robot.max_speed_mps;
     setup.nav.governor.lag_s = setup.world.robot.lag_s;
-    return app::runAll(options, setup);
+    drive.robot = setup.world.robot;
+    drive.nav = setup.nav;
+    drive.objects = setup.objects;
+    return app::runAll(options, setup, drive);
   });
 }

@@ -24,6 +24,34 @@ std::vector<bool> finishedByAll(const std::vector<PolicyTrials>& policies) {
   return finished;
 }
 
+ContactCounts sumOf(const std::vector<TrialResult>& drives) {
+  ContactCounts sum;
+  for (const TrialResult& trial : drives) {
+    const ContactCounts& contacts = trial.drive->contacts;
+    sum.by_robot += contacts.by_robot;
+    sum.by_others += contacts.by_others;
+    sum.with_things += contacts.with_things;
+    sum.near_misses += contacts.near_misses;
+  }
+  return sum;
+}
+
+nlohmann::ordered_json toJson(const TrialResult& trial) {
+  const DriveResult& drive = *trial.drive;
+  return {{"seed", trial.seed},
+          {"course_m", drive.course_m},
+          {"goal_reached", trial.goal_reached},
+          {"time_s", trial.time_to_goal_s},
+          {"goal_error_m", drive.goal_error_m},
+          {"collisions_by_robot", drive.contacts.by_robot},
+          {"collisions_by_others", drive.contacts.by_others},
+          {"collisions_with_things", drive.contacts.with_things},
+          {"near_misses", drive.contacts.near_misses},
+          {"min_distance_m", trial.min_distance_m},
+          {"lost_s", drive.lost_s},
+          {"unsafe_steps", trial.unsafe_steps}};
+}
+
 PolicyFigures figuresOf(const PolicyTrials& policy, const std::vector<bool>& finished) {
   PolicyFigures figures;
   figures.policy = nameOf(policy.policy);
@@ -32,6 +60,7 @@ PolicyFigures figuresOf(const PolicyTrials& policy, const std::vector<bool>& fin
   std::vector<double> steps, senses;
   for (std::size_t i = 0; i < policy.trials.size(); ++i) {
     const TrialResult& trial = policy.trials[i];
+    if (trial.drive) figures.drives.push_back(trial);
     if (trial.collided) {
       ++figures.collisions;
       figures.collision_seeds.push_back(trial.seed);
@@ -88,6 +117,15 @@ nlohmann::ordered_json toJson(const std::vector<PolicyFigures>& figures) {
                         {"mean_min_distance_m", row.mean_min_distance_m},
                         {"step_us_median", row.step_us_median},
                         {"sense_us_median", row.sense_us_median}};
+    if (row.drives.empty()) continue;
+    const ContactCounts sum = sumOf(row.drives);
+    json[row.policy]["collisions_by_robot"] = sum.by_robot;
+    json[row.policy]["collisions_by_others"] = sum.by_others;
+    json[row.policy]["collisions_with_things"] = sum.with_things;
+    json[row.policy]["near_misses"] = sum.near_misses;
+    for (const TrialResult& trial : row.drives) {
+      json[row.policy]["drives"].push_back(toJson(trial));
+    }
   }
   return json;
 }
@@ -105,6 +143,15 @@ void print(std::ostream& out, const std::vector<PolicyFigures>& figures) {
         << std::setw(10) << row.mean_min_distance_m << " m | " << std::setprecision(0)
         << std::setw(3) << row.step_us_median << " us | " << std::setw(10) << row.sense_us_median
         << " us |\n";
+  }
+  for (const auto& row : figures) {
+    if (row.drives.empty()) continue;
+    const ContactCounts sum = sumOf(row.drives);
+    double lost_s = 0.0;
+    for (const TrialResult& trial : row.drives) lost_s += trial.drive->lost_s;
+    out << row.policy << ": the robot moved into people " << sum.by_robot << " times, they into it "
+        << sum.by_others << "; it touched things " << sum.with_things << " times; "
+        << sum.near_misses << " near misses; lost for " << std::setprecision(1) << lost_s << " s\n";
   }
 }
 

@@ -2,7 +2,7 @@
 // Figures of the trials of each policy.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +10,10 @@
 #include "trial.h"
 
 namespace headway::app {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ContactCounts, by_robot, by_others, with_things, near_misses,
+                                   min_distance_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DriveResult, contacts, course_m, goal_error_m, lost_s)
 
 /// The trials of one policy, in order of their seeds.
 struct PolicyTrials {
@@ -32,6 +36,7 @@ struct PolicyFigures {
   double mean_min_distance_m = 0.0;
   double step_us_median = 0.0;
   double sense_us_median = 0.0;
+  std::vector<TrialResult> drives;  ///< the trials, if they are in a simulated world
 };
 
 /// Name of a policy in command lines.

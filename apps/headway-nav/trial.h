@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A trial: a robot drives to its goal among people, with the tracker in the loop.
+// Trials: a robot drives to its goal among people, with the tracker in the loop.
 #pragma once
 
 #include <headway/core/params.h>
@@ -10,30 +10,14 @@
 
 #include <functional>
 #include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "contacts.h"
+#include "navigator.h"
 
 namespace headway::app {
-
-/// The robot and its goal, section "robot".
-struct RobotParams {
-  /// Distance from the goal within which it counts as reached [m].
-  static constexpr double kGoalRadius_m = 0.4;
-
-  double length_m = 0.5;
-  double width_m = 0.4;
-  double margin_m = 0.0;        ///< that the navigator adds around the robot [m]
-  double max_speed_mps = 1.0;   ///< [m/s]
-  double max_turn_dps = 120.0;  ///< [deg/s]
-  double lag_s = 0.15;          ///< time constant of its wheels' speed control [s]
-  double goal_m = 12.0;         ///< straight ahead of the start [m]
-  double planning_rate_hz = 20.0;
-  double planning_reach_m = 10.0;  ///< planning distance; the braking distance scales with it
-  double time_limit_s = 60.0;      ///< duration of a trial [s]
-
-  /// Radius of the smallest circle about its origin that encloses it [m].
-  [[nodiscard]] double radius() const;
-  void describe(Params::Section section);
-  void validate() const { validateRanges(*this, "robot"); }  ///< @throws InputError
-};
 
 /// Range scanner and detector of people, section "sensors".
 struct SensorParams {
@@ -66,22 +50,48 @@ struct TrialParams {
   void validate() const { validateRanges(*this); }  ///< @throws InputError
 };
 
+/// What is known of a trial in a simulated world besides.
+struct DriveResult {
+  ContactCounts contacts;
+  double course_m = 0.0;      ///< length of the way to the goal
+  double goal_error_m = 0.0;  ///< true distance to the goal at the end
+  double lost_s = 0.0;        ///< time in which the robot did not know where it is
+};
+
 /// Result of one trial.
 struct TrialResult {
   std::uint64_t seed = 0;
   bool goal_reached = false;
-  double time_to_goal_s = 0.0;   ///< the time limit if the goal was not reached
-  double min_distance_m = 0.0;   ///< min. distance between people and the robot; 0: contact
-  bool collided = false;         ///< a person and the moving robot overlapped
-  bool walked_into = false;      ///< a person and the robot at rest overlapped
-  bool pillar_touched = false;   ///< a pillar and the robot overlapped
-  std::size_t unsafe_steps = 0;  ///< planning steps with invalid obstacles
+  double time_to_goal_s = 0.0;       ///< the time limit if the goal was not reached
+  double min_distance_m = 0.0;       ///< min. distance between people and the robot; 0: contact
+  bool collided = false;             ///< a person and the moving robot overlapped
+  bool walked_into = false;          ///< a person and the robot at rest overlapped
+  bool pillar_touched = false;       ///< a pillar and the robot overlapped
+  std::size_t unsafe_steps = 0;      ///< planning steps with invalid obstacles
+  std::optional<DriveResult> drive;  ///< of a trial in a simulated world
   std::vector<double> step_us;   ///< processor time of each planning step, without scanning [us]
   std::vector<double> sense_us;  ///< of that, the time of PredictiveObstacles [us]
+
+  /// The values that follow from the contacts of a drive.
+  void applyContacts() {
+    const ContactCounts& contacts = drive->contacts;
+    min_distance_m = contacts.min_distance_m;
+    collided = contacts.by_robot > 0;
+    walked_into = contacts.by_others > 0;
+    pillar_touched = contacts.with_things > 0;
+  }
+};
+
+/// What stays as it is during a trial, for pictures; map frame.
+struct TrialScene {
+  Eigen::Vector2d goal = Eigen::Vector2d::Zero();  ///< [m]
+  std::vector<Eigen::Vector2d> course;             ///< way to it [m]; empty: straight
+  std::vector<sim::Footprint> things;              ///< impassable
 };
 
 /// One planning step, for pictures.
 struct TrialMoment {
+  std::shared_ptr<const TrialScene> scene;
   double time_s = 0.0;
   mrpt::math::TPose2D robot;
   std::vector<sim::Person> people;
@@ -89,6 +99,7 @@ struct TrialMoment {
   std::vector<Track> tracks;
   std::vector<Eigen::Vector2d> obstacles;  ///< of the planner, map frame [m]
   bool contact = false;                    ///< with a person, since the previous step
+  cv::Mat image;                           ///< of the robot's camera, small; may be empty
 };
 
 using TrialObserver = std::function<void(const TrialMoment&)>;
@@ -100,26 +111,29 @@ struct TrialSetup {
   objects::ObjectsParams objects;
 };
 
+/// Runs trials of one kind with one policy.
+class Trials {
+ public:
+  virtual ~Trials() = default;
+  /// @param observer  called for every planning step; may be empty
+  [[nodiscard]] virtual TrialResult run(std::uint64_t seed, const TrialObserver& observer) = 0;
+};
+
 /// Drives the robot to its goal among people, with the tracker in the loop.
 ///
 /// Deterministic except for processor times; a trial does not depend on the ones before. Controls
 /// MRPT's clock during a trial, so that a process can run only one trial at a time.
-class TrialRunner {
+class TrialRunner : public Trials {
  public:
   explicit TrialRunner(const TrialSetup& setup);
-  ~TrialRunner();
+  ~TrialRunner() override;
 
-  /// @param observer  called for every planning step; may be empty
-  [[nodiscard]] TrialResult run(std::uint64_t seed, const TrialObserver& observer = {});
+  [[nodiscard]] TrialResult run(std::uint64_t seed, const TrialObserver& observer = {}) override;
 
  private:
   class Machine;
   class Trial;
   std::unique_ptr<Machine> machine_;
 };
-
-/// Distance from a disc to the robot's footprint; 0 if they overlap [m].
-[[nodiscard]] double clearance(const RobotParams& robot, const mrpt::math::TPose2D& pose,
-                               const Eigen::Vector2d& centre, double radius);
 
 }  // namespace headway::app

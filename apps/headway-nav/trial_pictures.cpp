@@ -41,8 +41,10 @@ class TrialPanel {
   /// @param bounds  x and y that the panel shows, in its middle [m]
   TrialPanel(cv::Mat image, const RobotParams& robot, const Eigen::AlignedBox2d& bounds);
 
-  /// Grid, scale and goal.
-  void drawGround();
+  /// Grid, scale, and what stands there.
+  void drawGround(const TrialScene& scene);
+  /// A picture in the lower left corner.
+  void inset(const cv::Mat& picture);
   void circle(const Eigen::Vector2d& centre, double radius_m, const cv::Scalar& colour,
               int thickness);
   void dot(const Eigen::Vector2d& centre, int radius_px, const cv::Scalar& colour);
@@ -63,6 +65,8 @@ class TrialPanel {
   [[nodiscard]] double spacingM() const;
   void drawScale(double metres);
   [[nodiscard]] cv::Point at(const Eigen::Vector2d& place) const;
+  [[nodiscard]] std::vector<cv::Point> cornersOf(const sim::Footprint& box) const;
+  void fill(const sim::Footprint& box, const cv::Scalar& colour);
 
   cv::Mat image_;
   RobotParams robot_;
@@ -80,7 +84,7 @@ TrialPanel::TrialPanel(cv::Mat image, const RobotParams& robot, const Eigen::Ali
       pixels_per_m_(std::min((kLayout.height - kLayout.title - kLayout.legend) / bounds.sizes().x(),
                              image_.cols / bounds.sizes().y())) {}
 
-void TrialPanel::drawGround() {
+void TrialPanel::drawGround(const TrialScene& scene) {
   const Vector2d reach(0.5 * (kLayout.height - kLayout.title - kLayout.legend) / pixels_per_m_,
                        0.5 * image_.cols / pixels_per_m_);
   const Vector2d least = middle_ - reach, greatest = middle_ + reach;
@@ -93,9 +97,35 @@ void TrialPanel::drawGround() {
     line({least.x(), y}, {greatest.x(), y}, kFaint, 1);
   }
   cv::line(image_, {image_.cols - 1, 0}, {image_.cols - 1, image_.rows}, kFaint, 1);
+  for (const sim::Footprint& thing : scene.things) fill(thing, kPillar);
+  for (std::size_t i = 1; i < scene.course.size(); ++i) {
+    line(scene.course[i - 1], scene.course[i], kPrediction, 1);
+  }
   drawScale(spacing);
-  circle({robot_.goal_m, 0.0}, RobotParams::kGoalRadius_m, kRobot, 2);
-  text("goal", {robot_.goal_m, -0.6}, 0.45, kRobot);
+  circle(scene.goal, RobotParams::kGoalRadius_m, kRobot, 2);
+  text("goal", scene.goal - Vector2d(0.0, 0.6), 0.45, kRobot);
+}
+
+void TrialPanel::inset(const cv::Mat& picture) {
+  if (picture.empty()) return;
+  cv::Mat colour = picture;
+  if (picture.channels() == 1) cv::cvtColor(picture, colour, cv::COLOR_GRAY2BGR);
+  const int bottom = kLayout.height - kLayout.legend - 40;  // above the scale
+  const cv::Rect place(0, bottom - colour.rows, colour.cols, colour.rows);
+  colour.copyTo(image_(place));
+}
+
+std::vector<cv::Point> TrialPanel::cornersOf(const sim::Footprint& box) const {
+  std::vector<cv::Point> corners;
+  for (const auto& [x, y] : {std::pair{0.5, 0.5}, {0.5, -0.5}, {-0.5, -0.5}, {-0.5, 0.5}}) {
+    const Vector2d corner = Vector2d(x, y).cwiseProduct(box.size);
+    corners.push_back(at(box.centre + Eigen::Rotation2Dd(box.yaw) * corner));
+  }
+  return corners;
+}
+
+void TrialPanel::fill(const sim::Footprint& box, const cv::Scalar& colour) {
+  cv::fillConvexPoly(image_, cornersOf(box), colour, cv::LINE_AA, kShift);
 }
 
 void TrialPanel::circle(const Vector2d& centre, double radius_m, const cv::Scalar& colour,
@@ -114,14 +144,7 @@ void TrialPanel::line(const Vector2d& from, const Vector2d& to, const cv::Scalar
 }
 
 void TrialPanel::robot(const mrpt::math::TPose2D& pose, const cv::Scalar& colour, int thickness) {
-  std::vector<cv::Point> corners;
-  const double x = 0.5 * robot_.length_m;
-  const double y = 0.5 * robot_.width_m;
-  for (const Vector2d& corner :
-       {Vector2d(x, y), Vector2d(x, -y), Vector2d(-x, -y), Vector2d(-x, y)}) {
-    const Vector2d turned = Eigen::Rotation2Dd(pose.phi) * corner;
-    corners.push_back(at(Vector2d(pose.x, pose.y) + turned));
-  }
+  const auto corners = cornersOf({{pose.x, pose.y}, {robot_.length_m, robot_.width_m}, pose.phi});
   if (thickness == cv::FILLED) {
     cv::fillConvexPoly(image_, corners, colour, cv::LINE_AA, kShift);
   } else {
@@ -185,9 +208,11 @@ cv::Point TrialPanel::at(const Vector2d& place) const {
 }
 
 /// The whole way of the robot, with start and goal.
-Eigen::AlignedBox2d boundsOf(const TrialRecord& record, const RobotParams& robot) {
+Eigen::AlignedBox2d boundsOf(const TrialRecord& record) {
+  const TrialScene& scene = *record.moments.front().scene;
   Eigen::AlignedBox2d bounds(Vector2d(0.0, 0.0));
-  bounds.extend(Vector2d(robot.goal_m, 0.0));
+  bounds.extend(scene.goal);
+  for (const Vector2d& place : scene.course) bounds.extend(place);
   for (const auto& moment : record.moments) {
     bounds.extend(Vector2d(moment.robot.x, moment.robot.y));
   }
@@ -268,7 +293,7 @@ void drawPredictions(TrialPanel& panel, const TrialMoment& moment) {
 void drawRecordAt(TrialPanel& panel, const TrialRecord& record, double time_s) {
   const std::size_t last = momentAt(record, time_s);
   const TrialMoment& moment = record.moments[last];
-  panel.drawGround();
+  panel.drawGround(*record.moments.front().scene);
   for (std::size_t i = 1; i <= last; ++i) {
     const auto& from = record.moments[i - 1].robot;
     const auto& to = record.moments[i].robot;
@@ -287,6 +312,7 @@ void drawRecordAt(TrialPanel& panel, const TrialRecord& record, double time_s) {
   const Vector2d centre(moment.robot.x, moment.robot.y);
   panel.line(centre, centre + 0.22 * nose, kPaper, 2);
   for (const auto& point : moment.obstacles) panel.dot(point, 1, kObstacle);
+  panel.inset(moment.image);
   const bool contact = contactUntil(record, last);
   std::string state = secondsText("", moment.time_s);
   if (last + 1 == record.moments.size() && record.result.goal_reached) {
@@ -310,7 +336,7 @@ std::vector<std::pair<const TrialMoment*, std::string>> secondsOf(const TrialRec
 }
 
 void drawRecordWhole(TrialPanel& panel, const TrialRecord& record) {
-  panel.drawGround();
+  panel.drawGround(*record.moments.front().scene);
   for (const auto& pillar : record.moments.front().pillars) {
     panel.circle(pillar.position, pillar.radius, kPillar, cv::FILLED);
   }
@@ -349,7 +375,7 @@ cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& r
                    double time_s) {
   cv::Mat picture = blankPicture(records.size());
   for (std::size_t i = 0; i < records.size(); ++i) {
-    TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i], robot));
+    TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i]));
     drawRecordAt(panel, records[i], time_s);
   }
   drawLegend(picture, secondsText("time ", time_s));
@@ -359,7 +385,7 @@ cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& r
 cv::Mat drawWhole(const std::vector<TrialRecord>& records, const RobotParams& robot) {
   cv::Mat picture = blankPicture(records.size());
   for (std::size_t i = 0; i < records.size(); ++i) {
-    TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i], robot));
+    TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i]));
     drawRecordWhole(panel, records[i]);
   }
   drawLegend(picture, "numbers: seconds; red: contact");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
+#include <headway/sim/driven_world.h>
 #include <headway/sim/simulator.h>
 
 #include <memory>
@@ -18,6 +19,8 @@ struct PlacedMesh {
   const Mesh* mesh = nullptr;
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< world [m]
 };
+
+class WheeledRobot;
 
 /// Everything around the cameras: static geometry, the robot that carries them, and all others who
 /// move.
@@ -43,21 +46,34 @@ class Environment {
   /// Edges that a robot must not drive over, world frame.
   [[nodiscard]] virtual std::vector<Drop> drops() const { return {}; }
 
+  /// The robot if it is driven from outside; else null.
+  [[nodiscard]] virtual WheeledRobot* drivenRobot() { return nullptr; }
+  /// What a robot that is driven from outside cannot pass, world frame.
+  [[nodiscard]] virtual std::vector<Footprint> things() const { return {}; }
+
   /// @param camera  left camera without distortion; the right one sees as far
   [[nodiscard]] virtual std::unique_ptr<Scene> makeScene(const StereoCamera& camera) = 0;
+};
+
+/// Who drives the robot.
+enum class Driver {
+  kItself,  ///< from stop to stop, or along its lane
+  kCaller,  ///< along a course on which it meets people
 };
 
 /// Streets through a town, and the traffic on them.
 ///
 /// @param camera  in whose left image the escort covers its ratio
 [[nodiscard]] std::unique_ptr<Environment> makeStreetEnvironment(const SimParams& params,
-                                                                 const StereoCamera& camera);
+                                                                 const StereoCamera& camera,
+                                                                 Driver driver);
 
 /// The environment that [world] kind names.
 ///
 /// @param camera  as recorded
 /// @throws InputError naming the key of parameters that cannot be
 [[nodiscard]] std::unique_ptr<Environment> makeEnvironment(const SimParams& params,
-                                                           const StereoCamera& camera);
+                                                           const StereoCamera& camera,
+                                                           Driver driver = Driver::kItself);
 
 }  // namespace headway::sim

@@ -4,11 +4,15 @@
 #include <headway/core/output_file.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/io/calibration_file.h>
+#include <headway/io/mrpt_time.h>
 #include <headway/io/raw_camera.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/sim/recording.h>
+#include <mrpt/img/CImage.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationStereoImages.h>
 
 #include <cmath>
 #include <cstdio>
@@ -143,6 +147,15 @@ void writeDrops(const std::string& path, const std::vector<Drop>& drops) {
   writeFile(path, out.str());
 }
 
+/// A depth camera whose depths are registered to its intensity image.
+io::RawDepthCamera depthCamera(const io::RawStereoCamera& recorded, double reach_m) {
+  io::RawDepthCamera registered;
+  registered.color = registered.depth = recorded.left;
+  registered.T_robot_color = recorded.T_robot_left;
+  registered.max_range_m = reach_m;
+  return registered;
+}
+
 /// The camera as replays of the recording use it.
 StereoCamera asReplayed(StereoCamera camera) {
   if (camera.isDepthCamera()) camera.baseline_m = io::equivalentBaseline(camera.fx);
@@ -227,11 +240,8 @@ class Recording::Files {
     if (frame.ranges.empty()) {
       return sink_.writeStereo(frame.time, frame.left, frame.right, recorded_);
     }
-    io::RawDepthCamera registered;
-    registered.color = registered.depth = recorded_.left;
-    registered.T_robot_color = recorded_.T_robot_left;
-    registered.max_range_m = camera_.depth_reach_m;
-    sink_.writeDepth(frame.time, frame.left, frame.ranges, registered);
+    sink_.writeDepth(frame.time, frame.left, frame.ranges,
+                     depthCamera(recorded_, camera_.depth_reach_m));
   }
 
   std::string folder_;
@@ -256,6 +266,26 @@ Recording::~Recording() = default;
 void Recording::write(const SimFrame& frame) { files_->write(frame); }
 
 void Recording::close() { files_->close(); }
+
+std::shared_ptr<mrpt::obs::CObservation> observationOf(const SimFrame& frame,
+                                                       const io::RawStereoCamera& camera,
+                                                       double depth_reach_m) {
+  const mrpt::img::CImage left(frame.left, mrpt::img::SHALLOW_COPY);
+  std::shared_ptr<mrpt::obs::CObservation> observation;
+  if (!frame.ranges.empty()) {
+    observation = io::depthObservation(left, frame.ranges, depthCamera(camera, depth_reach_m));
+    observation->sensorLabel = "rgbd";
+  } else {
+    const auto pair = mrpt::obs::CObservationStereoImages::Create();
+    pair->imageLeft = left;
+    pair->imageRight = mrpt::img::CImage(frame.right, mrpt::img::SHALLOW_COPY);
+    io::setCalibration(camera, *pair);
+    observation = pair;
+    observation->sensorLabel = "stereo";
+  }
+  observation->timestamp = io::mrptTime(frame.time);
+  return observation;
+}
 
 std::string truthFolder(const std::string& rawlog) { return io::rawlogStem(rawlog) + ".truth"; }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace headway::sim {
 
@@ -140,8 +142,8 @@ void WheeledRobot::chooseStop() {
   }
 }
 
-WheeledRobot::Command WheeledRobot::drive(double distance, double turn) const {
-  Command command;
+DriveCommand WheeledRobot::drive(double distance, double turn) const {
+  DriveCommand command;
   const double top_rate = params_.turn_rate_dps * M_PI / 180.0;
   if (turning_) {
     const double braked_in_time =
@@ -164,7 +166,7 @@ WheeledRobot::Command WheeledRobot::drive(double distance, double turn) const {
   return command;
 }
 
-WheeledRobot::Command WheeledRobot::command(double dt) {
+DriveCommand WheeledRobot::command(double dt) {
   if (pause_s_ > 0.0) {
     pause_s_ -= dt;
     return {};
@@ -200,8 +202,9 @@ bool WheeledRobot::mustStop(const std::vector<Obstacle>& others) const {
 }
 
 void WheeledRobot::advance(double dt, const std::vector<Obstacle>& others) {
+  if (steered_) return move(dt, *steered_, params_.brake_mps2);
   if (params_.standing) return;
-  Command wanted = command(dt);
+  DriveCommand wanted = command(dt);
   if (sudden_stop_s_ <= 0.0 && speed_ > 0.3 && random_.chance(params_.sudden_stop_rate_hz * dt)) {
     sudden_stop_s_ = 0.8;
   }
@@ -214,18 +217,69 @@ void WheeledRobot::advance(double dt, const std::vector<Obstacle>& others) {
     blocked_s_ = 0.0;
   }
   if (turning_ && speed_ > 0.02) wanted.turn_rate = 0.0;  // only at a standstill
-  const double before = speed_;
   const bool hard = blocked || sudden_stop_s_ > 0.0;
-  const double brake = hard ? params_.brake_mps2 : 2.0 * kHandling.comfortable_brake;
-  speed_ = towards(speed_, wanted.speed,
-                   dt * (wanted.speed > speed_ ? params_.acceleration_mps2 : brake));
+  move(dt, wanted, hard ? params_.brake_mps2 : 2.0 * kHandling.comfortable_brake);
+}
+
+void WheeledRobot::move(double dt, const DriveCommand& wanted, double brake) {
+  const double before = speed_;
+  before_ = {position_.x(), position_.y(), yaw_};
+  const bool faster = std::abs(wanted.speed) > std::abs(speed_) && wanted.speed * speed_ >= 0.0;
+  speed_ = towards(speed_, wanted.speed, dt * (faster ? params_.acceleration_mps2 : brake));
   turn_rate_ = towards(turn_rate_, wanted.turn_rate, dt * kHandling.turn_acceleration);
   const double middle_yaw = yaw_ + 0.5 * dt * turn_rate_;
   position_ += dt * speed_ * Eigen::Vector2d(std::cos(middle_yaw), std::sin(middle_yaw));
   yaw_ = wrapAngle(yaw_ + dt * turn_rate_);
-  const double motion = std::min(1.0, speed_ / std::max(0.5, route_.speed_mps));
+  const double motion = std::min(1.0, std::abs(speed_) / std::max(0.5, route_.speed_mps));
   pitch_.advance(dt, ride_rad_, motion, -kHandling.nod * (speed_ - before) / dt, random_);
   roll_.advance(dt, ride_rad_, motion, 0.0, random_);
+  if (!course_) return;
+  constexpr double kAhead = 2.0;  // it cuts no more of its course at once [m]
+  const double end = std::min(course_->length(), progress_ + kAhead);
+  progress_ = std::max(progress_, course_->project(position_, progress_, end).s);
+}
+
+void WheeledRobot::takeCourse(const std::vector<Eigen::Vector2d>& course) {
+  std::vector<Eigen::Vector3d> points;
+  for (const Eigen::Vector2d& corner : course) points.emplace_back(corner.x(), corner.y(), 0.0);
+  course_.emplace(points);
+  position_ = course.front();
+  const Eigen::Vector2d to = course[1] - course[0];
+  yaw_ = std::atan2(to.y(), to.x());
+  speed_ = turn_rate_ = 0.0;
+  steer({});
+}
+
+void WheeledRobot::undoStep() {
+  position_ = before_.head<2>();
+  yaw_ = before_.z();
+  speed_ = turn_rate_ = 0.0;
+}
+
+std::vector<Eigen::Vector2d> planCourse(const Site& site, const NavigationGrid& grid,
+                                        Random& random) {
+  constexpr double kMin = 15.0, kMax = 30.0;  // length of a course [m]
+  constexpr int kTries = 60;                  // pairs of stops; then the one nearest to that
+  std::vector<Eigen::Vector2d> best;
+  double best_excess = std::numeric_limits<double>::infinity();
+  const auto stop = [&] {
+    const int count = static_cast<int>(site.robot_stops.size());
+    return site.robot_stops[static_cast<std::size_t>(random.below(count))];
+  };
+  for (int i = 0; i < kTries && best_excess > 0.0; ++i) {
+    const Eigen::Vector2d start = stop(), goal = stop();
+    if ((goal - start).norm() < 2.5 || (goal - start).norm() > kMax) continue;
+    auto course = grid.path(start, goal, WheeledRobot::kRadius);
+    if (course.empty()) continue;
+    course.insert(course.begin(), start);
+    double length = 0.0;
+    for (std::size_t k = 1; k < course.size(); ++k) length += (course[k] - course[k - 1]).norm();
+    const double excess = std::max({0.0, kMin - length, length - kMax});
+    if (excess >= best_excess) continue;
+    best_excess = excess;
+    best = std::move(course);
+  }
+  return best;
 }
 
 Pose WheeledRobot::T_world_robot() const {
@@ -252,6 +306,9 @@ Obstacle WheeledRobot::obstacle() const {
 }
 
 Eigen::Vector2d WheeledRobot::ahead(double distance) const {
+  if (course_) {
+    return course_->at(std::min(progress_ + distance, course_->length())).position.head<2>();
+  }
   Eigen::Vector2d at = position_;
   for (const Eigen::Vector2d& corner : way_) {
     const double length = (corner - at).norm();

@@ -4,10 +4,12 @@
 
 #include <headway/core/pose.h>
 #include <headway/core/random.h>
+#include <headway/sim/driven_world.h>
 #include <headway/sim/sim_params.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "driving.h"
@@ -76,8 +78,21 @@ class WheeledRobot {
 
   void advance(double dt, const std::vector<Obstacle>& others);
 
+  /// Puts it, at rest, at the start of a way of two points or more, from where it moves by
+  /// commands alone.
+  void takeCourse(const std::vector<Eigen::Vector2d>& course);
+  /// @pre takeCourse()
+  void steer(const DriveCommand& command) { steered_ = command; }
+  /// Puts it back to where it was before the last step, at rest.
+  void undoStep();
+  /// How far along its course it has come [m].
+  [[nodiscard]] double progress() const { return progress_; }
+  [[nodiscard]] const std::optional<Path>& course() const { return course_; }
+
   /// Robot frame (on the ground below the cameras) in the world.
   [[nodiscard]] Pose T_world_robot() const;
+  /// Forward speed [m/s] and turn rate [rad/s].
+  [[nodiscard]] DriveCommand motion() const { return {speed_, turn_rate_}; }
   /// What others see of it.
   [[nodiscard]] Obstacle obstacle() const;
   [[nodiscard]] Eigen::Vector2d position() const { return position_; }
@@ -88,13 +103,11 @@ class WheeledRobot {
   /// Plans a way to the next stop of the tour, or to a random one.
   void chooseStop();
   void planTour();
-  /// Speed and turn rate that the way demands.
-  struct Command {
-    double speed = 0.0;      ///< [m/s]
-    double turn_rate = 0.0;  ///< [rad/s]
-  };
-  [[nodiscard]] Command command(double dt);
-  [[nodiscard]] Command drive(double distance, double turn) const;
+  /// What the way demands.
+  [[nodiscard]] DriveCommand command(double dt);
+  [[nodiscard]] DriveCommand drive(double distance, double turn) const;
+  /// Rolls on for one step.
+  void move(double dt, const DriveCommand& wanted, double brake);
   [[nodiscard]] bool mustStop(const std::vector<Obstacle>& others) const;
 
   RouteParams route_;
@@ -105,14 +118,23 @@ class WheeledRobot {
   Random random_;
   Eigen::Vector2d position_;
   double yaw_ = 0.0, speed_ = 0.0, turn_rate_ = 0.0;
-  std::vector<Eigen::Vector2d> way_;   ///< corners still ahead
-  std::vector<Eigen::Vector2d> tour_;  ///< stops, the start last; empty: random stops
-  std::size_t toured_ = 0;             ///< stops of the tour chosen so far
-  double pause_s_ = 0.5;               ///< left of standing at a stop
-  double sudden_stop_s_ = 0.0;         ///< left of a stop without cause
-  double blocked_s_ = 0.0;             ///< time that somebody has been in the way
-  bool turning_ = false;               ///< on the spot
+  std::vector<Eigen::Vector2d> way_;     ///< corners still ahead
+  std::vector<Eigen::Vector2d> tour_;    ///< stops, the start last; empty: random stops
+  std::size_t toured_ = 0;               ///< stops of the tour chosen so far
+  double pause_s_ = 0.5;                 ///< left of standing at a stop
+  double sudden_stop_s_ = 0.0;           ///< left of a stop without cause
+  double blocked_s_ = 0.0;               ///< time that somebody has been in the way
+  bool turning_ = false;                 ///< on the spot
+  std::optional<DriveCommand> steered_;  ///< instead of its own decisions
+  std::optional<Path> course_;           ///< of a steered robot
+  double progress_ = 0.0;                ///< along it [m]
+  Eigen::Vector3d before_ = Eigen::Vector3d::Zero();  ///< x, y [m] and yaw, before the last step
   Suspension pitch_, roll_;
 };
+
+/// Corners, the start first, of a way between two of the robot's stops, of 15 to 30 m if there is
+/// one, else as near to that as there is.
+[[nodiscard]] std::vector<Eigen::Vector2d> planCourse(const Site& site, const NavigationGrid& grid,
+                                                      Random& random);
 
 }  // namespace headway::sim

@@ -9,23 +9,17 @@
 
 #include "actor_mesh.h"
 #include "environment.h"
-#include "frame_finisher.h"
+#include "frame_drawer.h"
 #include "image_formation.h"
-#include "lens.h"
 #include "robot_sensors.h"
-#include "stereo_rig.h"
-#include "street.h"
 
 namespace headway::sim {
 namespace {
 
 enum SimulatorPurpose : std::uint64_t {
-  kImageSeed = 304,
-  kDetectorSeed,
-  kClockSeed,
+  kClockSeed = 306,
   kSensorSeed,
-  kFlexSeed = 309,
-  kLaserSeed,
+  kLaserSeed = 310,
   kGnssSeed
 };
 
@@ -42,7 +36,7 @@ class Simulator::Impl {
 
   [[nodiscard]] std::optional<SimFrame> next();
   [[nodiscard]] bool arrived() const { return environment_->arrived() && !finishing_.valid(); }
-  [[nodiscard]] const Lens& lens() const { return lens_; }
+  [[nodiscard]] const Lens& lens() const { return drawer_.lens(); }
   [[nodiscard]] double pathLength() const { return environment_->pathLength(); }
 
  private:
@@ -53,23 +47,16 @@ class Simulator::Impl {
   /// Lets time pass until the camera takes a frame; false at the end of the path.
   [[nodiscard]] bool waitForTrigger();
   void passUndrawn();
-  [[nodiscard]] double exposure() const;   ///< 0 without motion blur [s]
-  [[nodiscard]] double blurPause() const;  ///< between the drawings of one exposure [s]
+  [[nodiscard]] double exposure() const;  ///< 0 without motion blur [s]
   /// The next frame; nullopt after the last.
   [[nodiscard]] std::optional<DrawnFrame> drawNext();
-  void draw(DrawnFrame& drawn);
-  [[nodiscard]] std::vector<Actor> actorsInView();  ///< with the parked ones
   [[nodiscard]] io::RecordedScan scanLaser();
-  /// The right camera in the left one, for one frame.
-  [[nodiscard]] Pose bentRig(std::size_t frame) const;
   /// Finishes a frame in a thread of its own, behind the drawing of the next.
   void finishBehind(std::optional<DrawnFrame> drawn);
 
   SimParams params_;
-  Lens lens_;
+  FrameDrawer drawer_;
   std::unique_ptr<Environment> environment_;
-  StereoRig rig_;
-  FrameFinisher finisher_;
   MotionSensors sensors_;
   LaserScanner laser_;
   SatelliteReceiver receiver_;
@@ -77,15 +64,13 @@ class Simulator::Impl {
   std::size_t triggers_ = 0;         ///< frames taken so far, undrawn ones included
   std::size_t frames_ = 0;           ///< frames drawn for the caller
   double now_s_ = 0.0;               ///< since the first trigger [s]
-  std::future<SimFrame> finishing_;  ///< the frame drawn last; uses the finisher
+  std::future<SimFrame> finishing_;  ///< the frame drawn last; uses the drawer
 };
 
 Simulator::Impl::Impl(const SimParams& params)
     : params_(params),
-      lens_(params.camera, params.calibration_error),
-      environment_(makeEnvironment(params, lens_.ideal())),
-      rig_(lens_.drawn(), environment_->makeScene(lens_.drawn())),
-      finisher_(params, lens_, seedFor(kImageSeed, params), seedFor(kDetectorSeed, params)),
+      drawer_(params),
+      environment_(makeEnvironment(params, drawer_.lens().ideal())),
       sensors_(seedFor(kSensorSeed, params), params.camera.wheel_slip_ratio),
       laser_(params.laser, seedFor(kLaserSeed, params)),
       receiver_(params.gnss, seedFor(kGnssSeed, params)),
@@ -111,10 +96,11 @@ std::optional<DrawnFrame> Simulator::Impl::drawNext() {
     throw InputError("[recording] first_frame: " + std::to_string(first) +
                      ", but the path ends after " + std::to_string(triggers_) + " frames");
   }
-  DrawnFrame drawn;
+  DrawnFrame drawn = drawer_.draw(*environment_, triggers_, [this](double pause_s) {
+    advance(pause_s);
+    return params_.recording.start_time_s + now_s_;
+  });
   drawn.frame.index = frames_++;
-  draw(drawn);
-  drawn.trigger = triggers_ - 1;
   if (params_.camera.imu) drawn.frame.imu = sensors_.takeImu();
   if (params_.camera.odometry) drawn.frame.odometry = sensors_.odometry();
   if (params_.laser.enabled) drawn.frame.laser = scanLaser();
@@ -139,17 +125,13 @@ bool Simulator::Impl::waitForTrigger() {
 }
 
 void Simulator::Impl::passUndrawn() {
-  for (int i = 1; i < params_.camera.blur_samples; ++i) advance(blurPause());
+  for (int i = 1; i < params_.camera.blur_samples; ++i) advance(drawer_.blurPause());
   (void)sensors_.takeImu();
   (void)receiver_.take();
 }
 
 double Simulator::Impl::exposure() const {
   return params_.camera.blur_samples > 1 ? params_.camera.exposure_s : 0.0;
-}
-
-double Simulator::Impl::blurPause() const {
-  return exposure() / std::max(1, params_.camera.blur_samples - 1);
 }
 
 void Simulator::Impl::advance(double seconds) {
@@ -170,52 +152,6 @@ void Simulator::Impl::observeMotion() {
   receiver_.observe(now, robotPose());
 }
 
-void Simulator::Impl::draw(DrawnFrame& drawn) {
-  const int samples = params_.camera.blur_samples;
-  const Pose T_left_right = bentRig(triggers_);
-  cv::Mat left_sum, right_sum;
-  for (int i = 0; i < samples; ++i) {
-    if (i > 0) advance(blurPause());
-    const auto actors = actorsInView();
-    const bool is_middle = i == samples / 2;
-    const Pose T_world_robot = robotPose();
-    auto meshes = actorMeshes(actors, T_world_robot.translation());
-    StereoDrawing drawing = rig_.draw(T_world_robot, T_left_right, actors, meshes, is_middle);
-    if (is_middle) {
-      drawn.frame.time = params_.recording.start_time_s + now_s_;
-      drawn.depth = drawing.depth;
-      drawn.actors = actors;
-      drawn.meshes = std::move(meshes);
-      drawn.T_world_robot = T_world_robot;
-    }
-    if (samples == 1) {
-      drawn.left = drawing.left;
-      drawn.right = drawing.right;
-      return;
-    }
-    cv::Mat left, right;
-    drawing.left.convertTo(left, CV_16UC3);
-    drawing.right.convertTo(right, CV_16UC3);
-    left_sum = left_sum.empty() ? left : cv::Mat(left_sum + left);
-    right_sum = right_sum.empty() ? right : cv::Mat(right_sum + right);
-  }
-  left_sum.convertTo(drawn.left, CV_8UC3, 1.0 / samples);
-  right_sum.convertTo(drawn.right, CV_8UC3, 1.0 / samples);
-}
-
-std::vector<Actor> Simulator::Impl::actorsInView() {
-  std::vector<Actor> actors = environment_->actors(params_.world.view_distance_m);
-  // With 2 m for the shadow and the other camera's place.
-  const ViewCone view = viewCone(lens_.drawn(), robotPose());
-  actors.erase(std::remove_if(actors.begin(), actors.end(),
-                              [&](const Actor& actor) {
-                                return !view.touches(actor.position.head<2>(),
-                                                     0.5 * actor.size.head<2>().norm() + 2.0);
-                              }),
-               actors.end());
-  return actors;
-}
-
 io::RecordedScan Simulator::Impl::scanLaser() {
   const double reach = params_.laser.max_range_m;
   const auto meshes = actorMeshes(environment_->actors(reach), robotPose().translation());
@@ -223,19 +159,10 @@ io::RecordedScan Simulator::Impl::scanLaser() {
                      environment_->staticMeshes(reach), meshes);
 }
 
-Pose Simulator::Impl::bentRig(std::size_t frame) const {
-  Random random(seedOf({seedFor(kFlexSeed, params_), frame}));
-  const double sigma = params_.calibration_error.flex_deg * M_PI / 180.0;
-  const double x = random.normal(), y = random.normal(), z = random.normal();
-  Pose T_left_right = lens_.T_left_right();
-  T_left_right.linear() *= expSo3(sigma * Eigen::Vector3d(x, y, z));
-  return T_left_right;
-}
-
 void Simulator::Impl::finishBehind(std::optional<DrawnFrame> drawn) {
   if (!drawn) return;
   finishing_ = std::async(std::launch::async, [this, drawn = std::move(*drawn)]() mutable {
-    return finisher_.finish(std::move(drawn));
+    return drawer_.finish(std::move(drawn));
   });
 }
 

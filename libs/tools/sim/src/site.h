@@ -15,13 +15,6 @@
 
 namespace headway::sim {
 
-/// A rectangle on the ground, turned by yaw.
-struct Footprint {
-  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< world [m]
-  Eigen::Vector2d size = Eigen::Vector2d::Ones();    ///< along yaw and across it [m]
-  double yaw = 0.0;                                  ///< [rad]
-};
-
 /// Where somebody sits or stands, and where they face.
 struct Spot {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< world [m]

@@ -2,6 +2,7 @@
 // A hall, campus or warehouse as an environment, with the scene that is drawn of it.
 #include "site_environment.h"
 
+#include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 
 #include <algorithm>
@@ -192,7 +193,9 @@ enum SitePurpose : std::uint64_t {
   kVehicleSeed,
   kPeopleSeed,
   kBicycleSeed,
-  kStartSeed
+  kStartSeed,
+  kCourseSeed,
+  kEncounterSeed
 };
 
 /// Distance of a stop to the middle of the nearest drop [m].
@@ -232,18 +235,32 @@ Site makeSite(WorldParams::Kind kind, const Grain& grain, std::uint64_t seed) {
   return makeHall(grain, seed);
 }
 
+/// A robot at the start of a course.
+WheeledRobot steeredRobot(const SimParams& params, const Site& site, const NavigationGrid& grid,
+                          std::uint64_t seed) {
+  WheeledRobot robot(params, site, grid, seedOf({seed, kRobotSeed}));
+  Random random(seedOf({seed, kCourseSeed}));
+  const auto course = planCourse(site, grid, random);
+  if (course.empty()) throw InputError("[world] seed: no two places of this world have a way");
+  robot.takeCourse(course);
+  return robot;
+}
+
 }  // namespace
 
-SiteEnvironment::SiteEnvironment(const SimParams& params)
+SiteEnvironment::SiteEnvironment(const SimParams& params, Driver driver)
     : seed_(static_cast<std::uint64_t>(params.world.seed)),
       grain_(seedOf({seed_, kGrainSeed})),
       site_(withStart(makeSite(params.world.kind, grain_, seedOf({seed_, kLayoutSeed})),
                       seedOf({seed_, kStartSeed}))),
       grid_(site_),
-      robot_(params, site_, grid_, seedOf({seed_, kRobotSeed})),
+      robot_(driver == Driver::kCaller
+                 ? steeredRobot(params, site_, grid_, seed_)
+                 : WheeledRobot(params, site_, grid_, seedOf({seed_, kRobotSeed}))),
       vehicles_(params.traffic, site_, robot_.obstacle(), seedOf({seed_, kVehicleSeed}), next_id_),
       walkers_(params.traffic, site_, grid_, seedOf({seed_, kPeopleSeed})) {
   walkers_.populate(robot_, next_id_);
+  if (robot_.course()) walkers_.meet(robot_, seedOf({seed_, kEncounterSeed}), next_id_);
   Random random(seedOf({seed_, kBicycleSeed}));
   for (const Spot& spot : site_.bicycles) {
     Actor bicycle = drawActor(ActorKind::kBicycle, next_id_++, random);
@@ -252,6 +269,12 @@ SiteEnvironment::SiteEnvironment(const SimParams& params)
     bicycle.parked = true;
     bicycles_.push_back(bicycle);
   }
+}
+
+std::vector<Footprint> SiteEnvironment::things() const {
+  std::vector<Footprint> things = site_.obstacles;
+  things.insert(things.end(), site_.edges.begin(), site_.edges.end());
+  return things;
 }
 
 void SiteEnvironment::advance(double dt) {
@@ -286,11 +309,12 @@ std::unique_ptr<Scene> SiteEnvironment::makeScene(const StereoCamera& /*camera*/
   return std::make_unique<SiteScene>(site_, grain_, seed_);
 }
 
-std::unique_ptr<Environment> makeEnvironment(const SimParams& params, const StereoCamera& camera) {
+std::unique_ptr<Environment> makeEnvironment(const SimParams& params, const StereoCamera& camera,
+                                             Driver driver) {
   if (params.world.kind != WorldParams::Kind::kStreet) {
-    return std::make_unique<SiteEnvironment>(params);
+    return std::make_unique<SiteEnvironment>(params, driver);
   }
-  return makeStreetEnvironment(params, camera);
+  return makeStreetEnvironment(params, camera, driver);
 }
 
 }  // namespace headway::sim

@@ -10,7 +10,7 @@ namespace headway::sim {
 /// A site with a robot, people and vehicles.
 class SiteEnvironment : public Environment {
  public:
-  explicit SiteEnvironment(const SimParams& params);
+  explicit SiteEnvironment(const SimParams& params, Driver driver = Driver::kItself);
 
   void advance(double dt) override;
   [[nodiscard]] Pose T_world_robot() const override { return robot_.T_world_robot(); }
@@ -19,6 +19,8 @@ class SiteEnvironment : public Environment {
   [[nodiscard]] std::vector<Actor> actors(double reach) override;
   [[nodiscard]] std::vector<PlacedMesh> staticMeshes(double reach) override;
   [[nodiscard]] std::vector<Drop> drops() const override { return site_.drops; }
+  [[nodiscard]] WheeledRobot* drivenRobot() override { return robot_.course() ? &robot_ : nullptr; }
+  [[nodiscard]] std::vector<Footprint> things() const override;
   [[nodiscard]] std::unique_ptr<Scene> makeScene(const StereoCamera& camera) override;
 
   [[nodiscard]] const Site& site() const { return site_; }

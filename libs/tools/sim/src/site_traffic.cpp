@@ -94,6 +94,102 @@ void Walkers::populate(const WheeledRobot& robot, std::int64_t& next_id) {
   for (int i = 0; i < params_.pedestrians; ++i) addWalker(robot, next_id);
 }
 
+void Walkers::meet(const WheeledRobot& robot, std::uint64_t seed, std::int64_t& next_id) {
+  Random random(seed);
+  constexpr int kKinds = static_cast<int>(Meeting::kHidden) + 1;
+  constexpr double kFirst = 5.0, kSpacing = 3.5, kLast = 2.0;  // of places of meetings [m]
+  const Path& course = *robot.course();
+  int kind = random.below(kKinds);
+  for (double s = kFirst; s < course.length() - kLast; s += kSpacing + random.uniform()) {
+    for (int tries = 0; tries < kKinds; ++tries) {
+      const auto person = meetingAt(static_cast<Meeting>(kind++ % kKinds), course, s, random);
+      if (!person) continue;
+      addActor(*person, ActorKind::kPedestrian, random.uniform(-M_PI, M_PI), next_id);
+      break;
+    }
+  }
+  for (Person& person : people_) person.ignores_robot = random.chance(0.5);
+}
+
+std::optional<Eigen::Vector2d> Walkers::besideCourse(const Path& course, double s, bool hidden,
+                                                     Random& random) const {
+  constexpr int kTries = 60;
+  constexpr double kNearest = 1.2, kFarthest = 4.0;  // from the course [m]
+  constexpr double kSeenFrom = 3.0;  // the robot is so far away when it must not see them [m]
+  const Eigen::Vector2d at = course.at(s).position.head<2>();
+  const Eigen::Vector2d robot = course.at(std::max(0.0, s - kSeenFrom)).position.head<2>();
+  for (int i = 0; i < kTries; ++i) {
+    const double angle = random.uniform(-M_PI, M_PI),
+                 distance = random.uniform(kNearest, kFarthest);
+    const Eigen::Vector2d place = at + distance * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const double across = std::abs(std::sin(angle - course.at(s).yaw));
+    if (grid_.clearance(place) < kWalker.radius_m + 0.1) continue;
+    if (hidden ? !grid_.isClear(robot, place, 0.05)
+               : across > 0.8 && grid_.isClear(at, place, kWalker.radius_m)) {
+      return place;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Walkers::Person> Walkers::meetingAt(Meeting kind, const Path& course, double s,
+                                                  Random& random) const {
+  constexpr double kRobotSpeed = 0.9;  // on its way, roughly [m/s]
+  const auto at = [&](double place, double left = 0.0) {
+    return Eigen::Vector2d(course.beside(std::clamp(place, 0.0, course.length()), left).head<2>());
+  };
+  const double side = random.chance(0.5) ? 0.4 : -0.4;  // [m]
+  Person person;
+  person.desired_speed_mps =
+      std::clamp(params_.walking_speed_mps + 0.22 * random.normal(), 0.6, 1.6);
+  Eigen::Vector2d to = at(course.length());
+  switch (kind) {
+    case Meeting::kOncoming:
+      person.at = at(s + 4.0);
+      to = at(0.0);
+      person.sets_off_m = s - 4.0 * kRobotSpeed / person.desired_speed_mps;
+      break;
+    case Meeting::kOvertaken:
+      person.at = at(s + 1.0);
+      person.desired_speed_mps = 0.45;
+      person.sets_off_m = s - 2.0;
+      break;
+    case Meeting::kOvertaking:
+      person.at = at(s - 4.5, side);
+      person.desired_speed_mps = 1.5;
+      person.sets_off_m = s - 2.0;
+      break;
+    case Meeting::kStanding:
+      person.at = at(s, side);
+      person.idle = true;
+      break;
+    case Meeting::kCrossing:
+    case Meeting::kHidden: {
+      const auto place = besideCourse(course, s, kind == Meeting::kHidden, random);
+      if (!place) return std::nullopt;
+      person.at = *place;
+      to = at(s);
+      break;
+    }
+  }
+  if (grid_.clearance(person.at) < kWalker.radius_m) return std::nullopt;
+  if (person.idle) {  // beside whom the robot can pass
+    return grid_.clearance(at(s)) > 0.9 ? std::optional(person) : std::nullopt;
+  }
+  person.way = grid_.path(person.at, to, kWalker.radius_m);
+  if (person.way.empty()) return std::nullopt;
+  if (kind == Meeting::kCrossing || kind == Meeting::kHidden) {
+    double length = (person.way.front() - person.at).norm();
+    for (std::size_t i = 1; i < person.way.size(); ++i) {
+      length += (person.way[i] - person.way[i - 1]).norm();
+    }
+    if (length > 6.0) return std::nullopt;
+    person.sets_off_m = s - length * kRobotSpeed / person.desired_speed_mps;
+  }
+  prolongWay(person, random);
+  return person;
+}
+
 void Walkers::chooseWay(Person& person, const WheeledRobot& robot) {
   person.way.clear();
   if (random_.chance(params_.encounter_ratio)) {  // to where the robot is going, and on past it
@@ -102,11 +198,15 @@ void Walkers::chooseWay(Person& person, const WheeledRobot& robot) {
       person.way = grid_.path(person.at, meeting, kWalker.radius_m);
     }
   }
+  prolongWay(person, random_);
+}
+
+void Walkers::prolongWay(Person& person, Random& random) const {
   const Eigen::Vector2d from = person.way.empty() ? person.at : person.way.back();
   for (int tries = 0; tries < 10; ++tries) {
     const auto& places = site_.destinations;
     const Eigen::Vector2d place =
-        places[static_cast<std::size_t>(random_.below(static_cast<int>(places.size())))];
+        places[static_cast<std::size_t>(random.below(static_cast<int>(places.size())))];
     if ((place - from).norm() < 2.0) continue;
     const auto rest = grid_.path(from, place, kWalker.radius_m);
     if (rest.empty()) continue;
@@ -117,6 +217,10 @@ void Walkers::chooseWay(Person& person, const WheeledRobot& robot) {
 
 Eigen::Vector2d Walkers::desiredVelocity(Person& person, double dt, const WheeledRobot& robot) {
   if (person.idle) return Eigen::Vector2d::Zero();
+  if (robot.progress() < person.sets_off_m) {
+    person.stuck_s = 0.0;
+    return Eigen::Vector2d::Zero();
+  }
   if (person.pause_s > 0.0) {
     person.pause_s -= dt;
     return Eigen::Vector2d::Zero();
@@ -144,7 +248,9 @@ Eigen::Vector2d Walkers::avoiding(std::size_t i, Eigen::Vector2d velocity, const
                                   const std::vector<Obstacle>& vehicles) const {
   const Person& person = people_[i];
   const Eigen::Vector2d wanted = velocity;
-  velocity += sideStep(robot.position - person.at, wanted - robot.velocity, kPassing + 0.02);
+  if (!person.ignores_robot) {
+    velocity += sideStep(robot.position - person.at, wanted - robot.velocity, kPassing + 0.02);
+  }
   for (const Obstacle& vehicle : vehicles) {
     velocity += sideStep(vehicle.position - person.at, wanted - vehicle.velocity,
                          0.5 * vehicle.width + 0.45);
@@ -166,7 +272,7 @@ void Walkers::move(Person& person, double dt, const Obstacle& robot) const {
     const Eigen::Vector2d from_robot = at - robot.position;
     const bool nearer = from_robot.norm() < (before - robot.position).norm();
     return (room < kWalker.radius_m && room <= grid_.clearance(before)) ||
-           (from_robot.norm() < kWalker.nearest_to_robot_m && nearer);
+           (!person.ignores_robot && from_robot.norm() < kWalker.nearest_to_robot_m && nearer);
   };
   const Eigen::Vector2d step = dt * person.velocity;
   // Along a wall where the way itself is closed.

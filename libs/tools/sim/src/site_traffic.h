@@ -5,6 +5,7 @@
 #include <headway/core/random.h>
 #include <headway/sim/sim_params.h>
 
+#include <optional>
 #include <vector>
 
 #include "driving.h"
@@ -30,6 +31,8 @@ class Walkers {
 
   /// Puts everybody into their first places, away from the robot.
   void populate(const WheeledRobot& robot, std::int64_t& next_id);
+  /// Adds people whom a robot with a course meets on it, and lets half of all who walk ignore it.
+  void meet(const WheeledRobot& robot, std::uint64_t seed, std::int64_t& next_id);
   /// @param vehicles  all others but the robot
   void advance(double dt, const WheeledRobot& robot, const std::vector<Obstacle>& vehicles);
   [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
@@ -43,12 +46,24 @@ class Walkers {
     double pause_s = 0.0;              ///< left of standing
     double stuck_s = 0.0;              ///< time without getting on
     bool idle = false;                 ///< never walks
+    bool ignores_robot = false;
+    double sets_off_m = 0.0;  ///< when the robot has come so far on its course [m]
   };
 
   void addWalker(const WheeledRobot& robot, std::int64_t& next_id);
+  /// How somebody is met on the robot's course.
+  enum class Meeting { kOncoming, kCrossing, kOvertaken, kStanding, kOvertaking, kHidden };
+  /// Somebody who is met at a place of the course; nullopt without room for it.
+  [[nodiscard]] std::optional<Person> meetingAt(Meeting kind, const Path& course, double s,
+                                                Random& random) const;
+  /// A place from which somebody walks to the course, in view of the robot or not.
+  [[nodiscard]] std::optional<Eigen::Vector2d> besideCourse(const Path& course, double s,
+                                                            bool hidden, Random& random) const;
   void addIdle(const Spot& spot, std::int64_t& next_id);
   void addActor(const Person& person, ActorKind kind, double yaw, std::int64_t& next_id);
   void chooseWay(Person& person, const WheeledRobot& robot);
+  /// Lets somebody go on from the end of the way, to a destination.
+  void prolongWay(Person& person, Random& random) const;
   [[nodiscard]] Eigen::Vector2d desiredVelocity(Person& person, double dt,
                                                 const WheeledRobot& robot);
   /// Steps aside for all who will be too near soon.

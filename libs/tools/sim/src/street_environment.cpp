@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Streets and their traffic as an environment, with the scene that is drawn of them.
+#include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 
 #include <algorithm>
@@ -336,7 +337,8 @@ std::unique_ptr<Scene> StreetEnvironment::makeScene(const StereoCamera& camera) 
 }
 
 std::unique_ptr<Environment> makeStreetEnvironment(const SimParams& params,
-                                                   const StereoCamera& camera) {
+                                                   const StereoCamera& camera, Driver driver) {
+  if (driver == Driver::kCaller) throw InputError("[world] kind: streets are not driven yet");
   return std::make_unique<StreetEnvironment>(params, camera);
 }
 

@@ -39,6 +39,13 @@ class Recording {
   std::unique_ptr<Files> files_;
 };
 
+/// The images of a frame as drivers of its camera give them: label `stereo` or `rgbd`.
+///
+/// @param camera         as recorded
+/// @param depth_reach_m  of a depth camera: maximum depth measured [m]
+[[nodiscard]] std::shared_ptr<mrpt::obs::CObservation> observationOf(
+    const SimFrame& frame, const io::RawStereoCamera& camera, double depth_reach_m);
+
 /// Folder of the truth beside a rawlog: `a/NAME.rawlog` -> `a/NAME.truth`.
 [[nodiscard]] std::string truthFolder(const std::string& rawlog);
 

@@ -50,6 +50,13 @@ struct TruePlace {
   double heading_deg = 0.0;  ///< of the robot's x axis, clockwise from north
 };
 
+/// A rectangle on the ground, turned by yaw.
+struct Footprint {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< [m]
+  Eigen::Vector2d size = Eigen::Vector2d::Ones();    ///< along yaw and across it [m]
+  double yaw = 0.0;                                  ///< [rad]
+};
+
 /// Ground that lies so much lower than its surroundings that a robot must not drive over its edge.
 struct Drop {
   std::vector<Eigen::Vector2d> outline;  ///< convex, counterclockwise [m]
@@ -71,8 +78,8 @@ struct SimFrame {
   std::vector<ImuSample> imu;  ///< since the frame before, if recorded
   std::optional<OdometrySample> odometry;
   std::optional<io::RecordedScan> laser;  ///< at the frame's time
-  std::vector<io::RecordedGnss> gnss;  ///< since the frame before, if recorded
-  std::optional<TruePlace> place;      ///< if satellite fixes are recorded
+  std::vector<io::RecordedGnss> gnss;     ///< since the frame before, if recorded
+  std::optional<TruePlace> place;         ///< if satellite fixes are recorded
   std::vector<Drop> drops;  ///< of the whole world, map frame; with the first frame alone
 };
 

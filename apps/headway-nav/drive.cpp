@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A drive: a robot in a simulated world finds its way by what it perceives there.
+#include "drive.h"
+
+#include <headway/map/track_geometry.h>
+#include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace headway::app {
+namespace {
+
+using Eigen::Vector2d;
+using mrpt::kinematics::CVehicleVelCmd;
+using mrpt::kinematics::CVehicleVelCmd_DiffDriven;
+using mrpt::maps::CSimplePointsMap;
+using mrpt::math::TPose2D;
+using mrpt::nav::CAbstractNavigator;
+
+constexpr double kLongestStep_s = 0.02;  // of the world: a walker moves 3 cm in it
+constexpr float kPointHeight_m = 0.4F;   // of the obstacle points, within the robot's height
+
+/// The robot's base: what its navigator asks and commands.
+class DrivenBase : public mrpt::nav::CRobot2NavInterface {
+ public:
+  DrivenBase(const RobotParams& params, const nav::PredictiveObstaclesParams& nav)
+      : params_(params), nav_(nav) {}
+
+  /// What is known from now on. Wheels measure how it moves.
+  void know(Knowledge knowledge, const sim::DriveCommand& motion) {
+    knowledge_ = std::move(knowledge);
+    motion_ = motion;
+  }
+  [[nodiscard]] const Knowledge& knowledge() const { return knowledge_; }
+  [[nodiscard]] const sim::DriveCommand& command() const { return command_; }
+
+  bool getCurrentPoseAndSpeeds(TPose2D& pose, mrpt::math::TTwist2D& velocity,
+                               mrpt::system::TTimeStamp& timestamp, TPose2D& odometry,
+                               std::string& frame_id) override {
+    if (!knowledge_.pose) return false;
+    pose = odometry = *knowledge_.pose;
+    velocity = {motion_.speed * std::cos(pose.phi), motion_.speed * std::sin(pose.phi),
+                motion_.turn_rate};
+    timestamp = mrpt::Clock::now();
+    frame_id = "map";
+    return true;
+  }
+  /// What is in the map now: everybody who is tracked, and, unless PredictiveObstacles adds them,
+  /// the occupied cells.
+  bool senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp) override;
+
+  bool changeSpeeds(const CVehicleVelCmd& command) override {
+    const auto& wheels = dynamic_cast<const CVehicleVelCmd_DiffDriven&>(command);
+    command_ = {wheels.lin_vel, wheels.ang_vel};
+    return true;
+  }
+  bool changeSpeedsNOP() override { return true; }
+  bool stop(bool /*is_emergency*/) override {
+    command_ = {};
+    return true;
+  }
+  CVehicleVelCmd::Ptr getStopCmd() override {
+    return std::make_shared<CVehicleVelCmd_DiffDriven>();
+  }
+  CVehicleVelCmd::Ptr getEmergencyStopCmd() override { return getStopCmd(); }
+
+  // Events that MRPT would report on standard output.
+  bool startWatchdog(float) override { return true; }
+  bool stopWatchdog() override { return true; }
+  void sendNavigationStartEvent() override {}
+  void sendNavigationEndEvent() override {}
+  void sendNavigationEndDueToErrorEvent() override {}
+  void sendWaySeemsBlockedEvent() override {}
+  void sendApparentCollisionEvent() override {}
+  void sendCannotGetCloserToBlockedTargetEvent() override {}
+
+ private:
+  void add(const Vector2d& place, CSimplePointsMap& obstacles) const;
+  void addGrid(const mrpt::maps::COccupancyGridMap2D& grid, CSimplePointsMap& obstacles) const;
+
+  RobotParams params_;
+  nav::PredictiveObstaclesParams nav_;
+  Knowledge knowledge_;
+  sim::DriveCommand motion_, command_;
+};
+
+bool DrivenBase::senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp) {
+  obstacles.clear();
+  timestamp = mrpt::Clock::now();
+  if (!knowledge_.pose) return false;
+  std::vector<Vector2d> outline;
+  for (const Track& track : knowledge_.map.movingObjects().tracks()) {
+    if (!isShown(track)) continue;
+    nav::appendOutline(map::footprintOf(track), track.position.head<2>(), track.yaw, {},
+                       nav_.outline_spacing_m, outline);
+  }
+  for (const Vector2d& place : outline) add(place, obstacles);
+  const auto grid = knowledge_.map.staticGrid();
+  if (nav_.policy == nav::ObstaclePolicy::kStatic && grid) addGrid(*grid, obstacles);
+  return true;
+}
+
+void DrivenBase::add(const Vector2d& place, CSimplePointsMap& obstacles) const {
+  const TPose2D& pose = *knowledge_.pose;
+  const Vector2d local = Eigen::Rotation2Dd(-pose.phi) * (place - Vector2d(pose.x, pose.y));
+  // Under the robot there is nothing that it could avoid.
+  if (std::abs(local.x()) < 0.5 * params_.length_m && std::abs(local.y()) < 0.5 * params_.width_m) {
+    return;
+  }
+  obstacles.insertPoint(static_cast<float>(local.x()), static_cast<float>(local.y()),
+                        kPointHeight_m);
+}
+
+void DrivenBase::addGrid(const mrpt::maps::COccupancyGridMap2D& grid,
+                         CSimplePointsMap& obstacles) const {
+  constexpr float kOccupiedBelow = 0.35F;  // as PredictiveObstacles
+  const Vector2d here(knowledge_.pose->x, knowledge_.pose->y);
+  for (int row = 0; row < static_cast<int>(grid.getSizeY()); ++row) {
+    for (int column = 0; column < static_cast<int>(grid.getSizeX()); ++column) {
+      if (grid.getCell(column, row) > kOccupiedBelow) continue;
+      const Vector2d place(static_cast<double>(grid.idx2x(column)),
+                           static_cast<double>(grid.idx2y(row)));
+      const double distance = (place - here).norm();
+      if (distance > params_.radius() && distance < nav_.max_range_m) add(place, obstacles);
+    }
+  }
+}
+
+/// Leads the navigator along a course: from one place ahead of the robot to the next.
+class Guide {
+ public:
+  explicit Guide(std::vector<Vector2d> course) : course_(std::move(course)) {}
+
+  /// The place that the robot should drive to now: as far ahead as the course is nearly straight.
+  ///
+  /// Who gets on no further, because somebody stands at a corner, is let cut it more and more.
+  [[nodiscard]] const Vector2d& target(const Vector2d& robot, double time_s);
+  [[nodiscard]] bool isLast() const { return target_ + 1 == course_.size(); }
+  /// The robot is at its target.
+  void arrive() { passed_ = std::max(passed_, target_); }
+
+ private:
+  static constexpr std::size_t kAhead = 4;   ///< places of the course, a metre apart
+  static constexpr double kCut_m = 0.35;     ///< corners are cut by no more: half a door's width
+  static constexpr double kCutGrowth = 0.1;  ///< of that, while it does not get on [m/s]
+
+  std::vector<Vector2d> course_;
+  std::size_t passed_ = 0, target_ = 0;
+  double passed_at_s_ = 0.0;
+};
+
+const Vector2d& Guide::target(const Vector2d& robot, double time_s) {
+  const std::size_t last = course_.size() - 1, from = passed_;
+  for (std::size_t i = from; i <= std::min(last, from + kAhead); ++i) {
+    if ((course_[i] - robot).norm() < (course_[passed_] - robot).norm()) passed_ = i;
+  }
+  if (passed_ != from) passed_at_s_ = time_s;
+  const double cut = kCut_m + kCutGrowth * (time_s - passed_at_s_);
+  target_ = std::min(last, passed_ + 1);
+  for (std::size_t j = target_ + 1; j <= std::min(last, passed_ + kAhead); ++j) {
+    const Eigen::ParametrizedLine<double, 2> line =
+        Eigen::ParametrizedLine<double, 2>::Through(robot, course_[j]);
+    bool is_straight = true;
+    for (std::size_t i = passed_ + 1; i < j; ++i) {
+      is_straight = is_straight && line.distance(course_[i]) < cut;
+    }
+    if (is_straight) target_ = j;
+  }
+  return course_[target_];
+}
+
+/// A running drive.
+class Drive {
+ public:
+  Drive(const DriveSetup& setup, std::uint64_t seed)
+      : setup_(setup),
+        size_(setup.robot.length_m, setup.robot.width_m),
+        world_(withSeed(setup.world, seed), size_),
+        start_s_(world_.now()),
+        clock_(start_s_),
+        eye_(makeEye(setup.sense, setup.robot, setup.objects)),
+        base_(setup.robot, setup.nav),
+        obstacles_(
+            base_, [this] { return base_.knowledge().map; }, setup.nav,
+            [this] { return world_.now(); }),
+        navigator_(obstacles_, setup.robot),
+        guide_(world_.course()),
+        contacts_(size_) {
+    obstacles_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
+    auto scene = std::make_shared<TrialScene>();
+    scene->course = world_.course();
+    scene->goal = scene->course.back();
+    scene->things = world_.things();
+    scene_ = scene;
+    result_.seed = seed;
+    for (std::size_t i = 1; i < scene->course.size(); ++i) {
+      detail_.course_m += (scene->course[i] - scene->course[i - 1]).norm();
+    }
+  }
+
+  TrialResult run(const TrialObserver& observer);
+
+ private:
+  static sim::SimParams withSeed(sim::SimParams world, std::uint64_t seed) {
+    world.world.seed = static_cast<int>(seed);
+    return world;
+  }
+  [[nodiscard]] double time_s() const { return world_.now() - start_s_; }
+  void plan();
+  void moveOn(double period_s);
+  [[nodiscard]] TrialMoment moment() const;
+
+  const DriveSetup& setup_;
+  Vector2d size_;
+  sim::DrivenWorld world_;
+  double start_s_;
+  SimulatedClock clock_;
+  std::unique_ptr<Eye> eye_;
+  DrivenBase base_;
+  WatchedObstacles obstacles_;
+  Navigator navigator_;
+  Guide guide_;
+  ContactCounter contacts_;
+  std::shared_ptr<const TrialScene> scene_;
+  std::optional<Vector2d> target_;  ///< of the navigator; nullopt: it does not navigate
+  TrialResult result_;
+  DriveResult detail_;
+  bool touched_ = false;  ///< since the last planning step
+};
+
+TrialResult Drive::run(const TrialObserver& observer) {
+  constexpr double kSlowest = 3.0;  // times as long as the course takes at top speed
+  const double period_s = 1.0 / setup_.world.camera.rate_hz;
+  const double limit_s =
+      std::max(setup_.robot.time_limit_s, kSlowest * detail_.course_m / setup_.robot.max_speed_mps);
+  while (time_s() < limit_s && !result_.goal_reached) {
+    clock_.set(time_s());
+    base_.know(eye_->perceive(world_), world_.robot().motion);
+    plan();
+    if (!base_.knowledge().pose) detail_.lost_s += period_s;
+    if (observer) observer(moment());
+    touched_ = false;
+    moveOn(period_s);
+  }
+  result_.time_to_goal_s = time_s();
+  detail_.contacts = contacts_.counts();
+  detail_.goal_error_m = (world_.robot().position - scene_->goal).norm();
+  result_.drive = detail_;
+  result_.applyContacts();
+  return result_;
+}
+
+void Drive::plan() {
+  constexpr double kArrived_m = 1.0;  // goal radius, and drift of 2 % of 30 m
+  const auto& pose = base_.knowledge().pose;
+  if (!pose) {  // MRPT's navigator would end
+    base_.stop(true);
+    target_.reset();
+    ++result_.unsafe_steps;
+    return;
+  }
+  const Vector2d next = guide_.target({pose->x, pose->y}, time_s());
+  const double start = processorSeconds();
+  if (!target_) {
+    navigator_.startAfresh(next);
+  } else if (*target_ != next) {
+    navigator_.driveTo(next);
+  }
+  target_ = next;
+  navigator_.navigationStep();
+  result_.step_us.push_back(1e6 * (processorSeconds() - start));
+  result_.sense_us.push_back(obstacles_.senseTime_us());
+  if (obstacles_.lastReport().status != nav::SenseStatus::kSafe) ++result_.unsafe_steps;
+  const auto state = navigator_.getCurrentState();
+  if (state == CAbstractNavigator::NAV_ERROR) target_.reset();
+  if (state != CAbstractNavigator::IDLE) return;
+  guide_.arrive();
+  target_.reset();
+  const double error_m = (world_.robot().position - scene_->goal).norm();
+  if (guide_.isLast() && error_m < kArrived_m) result_.goal_reached = true;
+}
+
+void Drive::moveOn(double period_s) {
+  const int steps = static_cast<int>(std::ceil(period_s / kLongestStep_s));
+  for (int i = 0; i < steps; ++i) {
+    world_.advance(period_s / steps, base_.command());
+    contacts_.observe(world_.robot(), world_.movers(), period_s / steps);
+    touched_ = touched_ || contacts_.touches();
+  }
+}
+
+TrialMoment Drive::moment() const {
+  constexpr int kImageWidth = 320;  // in a picture of trials [px]
+  TrialMoment moment;
+  moment.scene = scene_;
+  moment.time_s = time_s();
+  const sim::DrivenRobot robot = world_.robot();
+  moment.robot = {robot.position.x(), robot.position.y(), robot.yaw};
+  for (const sim::Mover& mover : world_.movers()) {
+    sim::Person& person = moment.people.emplace_back();
+    person.position = mover.shape.centre;
+    person.heading = std::atan2(mover.velocity.y(), mover.velocity.x());
+    person.speed = mover.velocity.norm();
+    person.radius = mover.radius_m > 0.0 ? mover.radius_m : 0.5 * mover.shape.size.y();
+  }
+  moment.tracks = base_.knowledge().map.movingObjects().tracks();
+  if (target_) moment.obstacles = inMap(obstacles_.last(), *base_.knowledge().pose);
+  moment.contact = touched_;
+  const cv::Mat& image = base_.knowledge().image;
+  if (!image.empty()) {
+    const int height = kImageWidth * image.rows / image.cols;
+    cv::resize(image, moment.image, {kImageWidth, height}, 0, 0, cv::INTER_AREA);
+  }
+  return moment;
+}
+
+}  // namespace
+
+TrialResult DriveRunner::run(std::uint64_t seed, const TrialObserver& observer) {
+  return Drive(setup_, seed).run(observer);
+}
+
+}  // namespace headway::app

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A drive: a robot in a simulated world finds its way by what it perceives there.
+#pragma once
+
+#include <headway/sim/sim_params.h>
+
+#include "eyes.h"
+#include "trial.h"
+
+namespace headway::app {
+
+/// Everything that defines a drive but its seed.
+struct DriveSetup {
+  sim::SimParams world;  ///< its seed is the trial's
+  Sense sense = Sense::kImages;
+  RobotParams robot;
+  nav::PredictiveObstaclesParams nav;
+  objects::ObjectsParams objects;
+};
+
+/// Drives the robot along the course of a simulated world: it sees, decides and moves, frame by
+/// frame.
+///
+/// MRPT's navigator is led along the course, as by a planner with a floor plan; around people and
+/// things it finds its own way, by the obstacles of the map that the robot has so far. There is no
+/// time between a frame and the command that follows from it. While the robot does not know where
+/// it is, it stands.
+///
+/// Deterministic except for processor times; controls MRPT's clock during a drive.
+class DriveRunner : public Trials {
+ public:
+  explicit DriveRunner(const DriveSetup& setup) : setup_(setup) {}
+
+  [[nodiscard]] TrialResult run(std::uint64_t seed, const TrialObserver& observer = {}) override;
+
+ private:
+  DriveSetup setup_;
+};
+
+}  // namespace headway::app
