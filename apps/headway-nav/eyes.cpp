@@ -10,6 +10,7 @@
 #include <headway/run/session.h>
 #include <headway/sim/recording.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/obs/CObservation.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,10 +32,18 @@ class ImagesEye : public Eye {
 
   [[nodiscard]] Knowledge perceive(sim::DrivenWorld& world) override {
     const sim::SimFrame frame = world.look();
-    live_.push(sim::observationOf(frame, world.recordedCamera(), world.camera().depth_reach_m));
+    const auto observation =
+        sim::observationOf(frame, world.recordedCamera(), world.camera().depth_reach_m);
+    if (!live_) {
+      io::LiveSourceOptions options;
+      options.observations.sensor_label = observation->sensorLabel;  // else a second one is awaited
+      live_.emplace(options);
+      source_.emplace(*live_);
+    }
+    live_->push(observation);
     if (!session_) {
-      perception_.emplace(source_.camera(), params_);
-      session_.emplace(source_, *perception_);
+      perception_.emplace(source_->camera(), params_);
+      session_.emplace(*source_, *perception_);
     }
     const auto result = session_->next();
     if (!result) throw InputError("a rendered frame was not taken");
@@ -51,8 +60,8 @@ class ImagesEye : public Eye {
 
  private:
   pipeline::PerceptionParams params_;
-  io::LiveSource live_;
-  run::SensorFrames source_{live_};
+  std::optional<io::LiveSource> live_;
+  std::optional<run::SensorFrames> source_;
   std::optional<pipeline::Perception> perception_;
   std::optional<run::Session> session_;
 };
