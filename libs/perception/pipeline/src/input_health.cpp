@@ -472,9 +472,9 @@ std::optional<Pose> FloorCheck::replacement() const {
   found.T_robot_cam.linear() = Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()) * upright;
   found.T_robot_cam.translation().z() = mounting_->height_m;
   // A height that no camera is mounted at is of a wrong unit.
-  const bool is_height = found.T_robot_cam.translation().norm() <= kMaxMountingDistance_m &&
-                         stereo::rigCapability(found).camera_height_known;
-  return is_height ? std::optional(found.T_robot_cam) : std::nullopt;
+  if (found.T_robot_cam.translation().norm() > kMaxMountingDistance_m) return std::nullopt;
+  if (!stereo::rigCapability(found).camera_height_known) return std::nullopt;
+  return found.T_robot_cam;
 }
 
 std::optional<Finding> FloorCheck::compare(std::size_t frame) const {
@@ -499,9 +499,7 @@ std::optional<Finding> FloorCheck::compare(std::size_t frame) const {
                          factor,
                          camera_.isDepthCamera() ? "depth_unit_m (rangeUnits)" : "the baseline")};
   }
-  if (agreesWith(stated, kFloorLimits.sigma_height_m, kFloorLimits.sigma_tilt_rad)) {
-    return std::nullopt;
-  }
+  if (agreesWith(stated, kFloorLimits.sigma_height_m, kFloorLimits.sigma_tilt_rad)) return {};
   return Finding{"camera_mounting", frame,
                  both + ": correct T_robot_cam of the calibration (cameraPose), or the depths"};
 }
