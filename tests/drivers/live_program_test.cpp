@@ -217,12 +217,13 @@ TEST_F(LiveRobotTest, APluginThatCannotBeLoadedIsNamed) {
 TEST_F(LiveProgramTest, SaysAtOnceWhatIsMissing) {
   const std::string hall = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog";
   const std::string out = (folder_ / "out").string();
-  ASSERT_EQ(0, test::runProcess(test::program("headway-export") + " kitti-odometry -q " + hall +
-                                " -o " + (folder_ / "kitti").string())
-                   .status);
+  ASSERT_EQ(0,
+            test::runProcess(test::program("headway-export") + " kitti-odometry -q --to-index 59 " +
+                             hall + " -o " + (folder_ / "kitti").string())
+                .status);
   const std::string camera = "[CAM]\ndriver = CCameraSensor\nprocess_rate = 15\ngrabber_type = ";
   const std::string folder = camera + "image_dir\nimage_dir_url = " + (folder_ / "kitti").string() +
-                             "\nleft_format = image_0/%06d.png\nend_index = 149\n";
+                             "\nleft_format = image_0/%06d.png\nend_index = 59\n";
   const auto uncalibrated =
       live("--sensors " + sensors(folder + "right_format = image_1/%06d.png\n") + " -o " + out,
            frames(1));
@@ -244,11 +245,12 @@ TEST_F(LiveProgramTest, SaysAtOnceWhatIsMissing) {
 
 TEST_F(LiveProgramTest, SplitsImagesThatContainBothOfAPair) {
   const std::string hall = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog";
-  ASSERT_EQ(0, test::runProcess(test::program("headway-export") + " kitti-odometry -q " + hall +
-                                " -o " + (folder_ / "kitti").string())
-                   .status);
+  ASSERT_EQ(0,
+            test::runProcess(test::program("headway-export") + " kitti-odometry -q --to-index 59 " +
+                             hall + " -o " + (folder_ / "kitti").string())
+                .status);
   std::filesystem::create_directory(folder_ / "both");
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 60; ++i) {
     std::array<char, 16> name{};
     std::snprintf(name.data(), name.size(), "%06d.png", i);
     cv::Mat both;
@@ -265,7 +267,7 @@ TEST_F(LiveProgramTest, SplitsImagesThatContainBothOfAPair) {
                sensors("[ZED]\ndriver = CCameraSensor\nprocess_rate = 15\n"
                        "side_by_side = true\ngrabber_type = image_dir\n"
                        "image_dir_url = " +
-                       (folder_ / "both").string() + "\nleft_format = %06d.png\nend_index = 99\n") +
+                       (folder_ / "both").string() + "\nleft_format = %06d.png\nend_index = 59\n") +
                " --calibration " + calibration + " -o " + out,
            frames(12));
   EXPECT_EQ(0, run.status) << run.output;

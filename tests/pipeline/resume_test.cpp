@@ -63,8 +63,8 @@ class ResumeTest : public ::testing::Test {
   /// Error of loading the file and resuming in it; empty without an error.
   [[nodiscard]] std::string errorOfResuming(const StereoCamera& camera) const {
     try {
-      Perception perception(std::make_shared<StereoCamera>(camera), params_);
-      perception.resume(map::loadMap(path_));
+      const auto stored = map::loadMap(path_);
+      Perception(std::make_shared<StereoCamera>(camera), params_).resume(stored);
     } catch (const InputError& error) {
       return error.what();
     }

@@ -9,8 +9,8 @@ namespace headway {
 namespace {
 
 TEST(LapsTest, MemoryStaysFlatAfterTheThirdLap) {
-  constexpr double kGrowthMb = 10.0;
-  constexpr std::size_t kFrames = test::repeats(5000, 300);
+  constexpr double kGrowthMb = 5.5;  // 0.2 a lap
+  constexpr std::size_t kFrames = test::repeats(3000, 300);
   const test::TemporaryFolder folder;
   std::vector<bench::LapFigures> laps;
   bench::replayLaps(kFrames, 1, folder / "run",
