@@ -5,6 +5,7 @@
 #include <headway/core/ellipse.h>
 #include <headway/core/error.h>
 #include <headway/core/object_class.h>
+#include <headway/core/stage_times.h>
 #include <httplib.h>
 
 #include <array>
@@ -27,6 +28,8 @@ namespace headway::live {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr double kMaxAge_s = 1.0;  // of the newest frame while a robot may rely on it
 
 /// The robot's positions so far, for the map; thinned and bounded.
 class DrivenPath {
@@ -113,10 +116,50 @@ std::string encoded(const std::string& extension, const cv::Mat& image,
   return {bytes.begin(), bytes.end()};
 }
 
+/// Since the images of a frame came [s].
+double ageOf(double arrival_s) { return monotonicSeconds() - arrival_s; }
+
+Json warningsJson(const Warnings& warnings) {
+  Json json = Json::array();
+  for (const auto& [name, warning] : warnings) {
+    json.push_back(warning.text + " (" + std::to_string(warning.count) + "x)");
+  }
+  return json;
+}
+
+Json sensorsJson(const std::vector<drivers::SensorStatus>& sensors) {
+  Json json = Json::array();
+  for (const auto& sensor : sensors) json.push_back(sensorJson(sensor));
+  return json;
+}
+
+std::string lineOf(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// The newest frame as a program asks for it, and whether all is well.
+std::pair<std::string, bool> healthOf(const LiveView* view) {
+  if (view == nullptr) return {lineOf({{"status", "waiting"}, {"age_s", nullptr}}), false};
+  const auto& camera = view->update.camera;
+  const double age_s = ageOf(view->arrival_s);
+  const Json json = {{"status", slam::toString(camera.status)},
+                     {"submap", camera.submap},
+                     {"frame", view->update.frame},
+                     {"age_s", age_s},
+                     {"latency_s", view->latency_s},
+                     {"dropped", view->dropped},
+                     {"left_out", view->left_out},
+                     {"sensors", sensorsJson(view->sensors)},
+                     {"warnings", warningsJson(view->warnings)}};
+  return {lineOf(json), slam::isTracked(camera.status) && age_s <= kMaxAge_s};
+}
+
 /// One event of the page: the view as JSON in one line, without pictures.
 ///
+/// @param pictures      that are served; null: none yet
 /// @param grid_version  of the picture of the occupancy grid
-std::string jsonOf(const LiveView& view, const DrivenPath& path, std::size_t grid_version) {
+std::string jsonOf(const LiveView& view, const LivePictures* pictures, const DrivenPath& path,
+                   std::size_t grid_version) {
   const auto& camera = view.update.camera;
   const auto& place = camera.T_map_robot.translation();
   Json json = {{"frame", view.update.frame},
@@ -128,12 +171,18 @@ std::string jsonOf(const LiveView& view, const DrivenPath& path, std::size_t gri
                {"process_ms", 1e3 * view.process_s},
                {"frames", view.frames},
                {"dropped", view.dropped},
-               {"has_image", view.frame.stereo.has_value()},
-               {"grid", gridJson(view.map, grid_version)},
+               {"age_ms", 1e3 * ageOf(view.arrival_s)},
+               {"left_out", view.left_out},
                {"tracks", Json::array()},
                {"path", Json::array()},
-               {"sensors", Json::array()},
-               {"warnings", Json::array()}};
+               {"sensors", sensorsJson(view.sensors)},
+               {"warnings", warningsJson(view.warnings)}};
+  if (pictures != nullptr) {
+    json["pictures"] = {{"frame", pictures->frame.index},
+                        {"age_ms", 1e3 * ageOf(pictures->arrival_s)},
+                        {"has_image", pictures->frame.stereo.has_value()},
+                        {"grid", gridJson(pictures->map, grid_version)}};
+  }
   for (const auto& track : view.update.objects.tracks) {
     if (isShown(track)) json["tracks"].push_back(trackJson(track));
   }
@@ -141,11 +190,7 @@ std::string jsonOf(const LiveView& view, const DrivenPath& path, std::size_t gri
     json["path"].push_back(
         {std::round(position.x() * 100) / 100, std::round(position.y() * 100) / 100});
   }
-  for (const auto& sensor : view.sensors) json["sensors"].push_back(sensorJson(sensor));
-  for (const auto& [name, warning] : view.warnings) {
-    json["warnings"].push_back(warning.text + " (" + std::to_string(warning.count) + "x)");
-  }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return lineOf(json);
 }
 
 /// The frame's left image as JPEG; empty without images.
@@ -177,7 +222,9 @@ std::string pngOf(const map::PerceptionMap& map) {
 using httplib::Request;
 using httplib::Response;
 
-constexpr int kMaxPages = 4;  // open at a time; each holds a thread
+constexpr int kMaxPages = 4;                  // open at a time; each holds a thread
+constexpr int kPageThreads = 12 + kMaxPages;  // browsers keep several connections
+constexpr int kHealthThreads = 2;  // a client that keeps one busy does not hide the health
 constexpr const char* kCookie = "headway_token";
 constexpr const char* kLocal = "127.0.0.1";
 
@@ -215,14 +262,16 @@ httplib::Headers securityHeaders() {
           {"Cache-Control", "no-store"}};
 }
 
-}  // namespace
-
-class LivePage::Implementation {
+/// Serves GET requests that name its address as their host and have its token, if there is one.
+class Server {
  public:
-  explicit Implementation(const LivePageOptions& options)
-      : address_(options.address), token_(options.address == kLocal ? "" : randomToken()) {
-    // Browsers keep several connections.
-    server_.new_task_queue = [] { return new httplib::ThreadPool(12 + kMaxPages); };
+  using Handler = std::function<void(Response&)>;
+
+  /// @param token    empty: none is needed
+  /// @param threads  one for each connection that is served at a time
+  Server(std::string address, std::string token, int threads)
+      : address_(std::move(address)), token_(std::move(token)) {
+    server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
     // httplib's default, SO_REUSEPORT, would share the port with other programs.
     server_.set_socket_options([](socket_t socket) {
       const int on = 1;
@@ -231,44 +280,39 @@ class LivePage::Implementation {
     server_.set_default_headers(securityHeaders());
     server_.set_pre_routing_handler(
         [this](const Request& request, Response& response) { return admit(request, response); });
-    addRoutes();
-    port_ = options.port == 0 ? server_.bind_to_any_port(address_) : options.port;
-    const bool is_bound = options.port == 0 ? port_ > 0 : server_.bind_to_port(address_, port_);
+  }
+  ~Server() {
+    server_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  void get(const char* path, Handler handler) {
+    server_.Get(path, [handler = std::move(handler)](const Request&, Response& response) {
+      handler(response);
+    });
+  }
+  void get(const char* path, const char* text, const char* type) {
+    get(path, [=](Response& response) { response.set_content(text, type); });
+  }
+
+  /// @param port    0: any free one
+  /// @param option  of the command line, for the error
+  /// @throws InputError
+  void start(int port, const std::string& option) {
+    port_ = port == 0 ? server_.bind_to_any_port(address_) : port;
+    const bool is_bound = port == 0 ? port_ > 0 : server_.bind_to_port(address_, port_);
     if (!is_bound) {
-      throw InputError("--show: " + address_ + ":" + std::to_string(options.port) +
+      throw InputError(option + ": " + address_ + ":" + std::to_string(port) +
                        " cannot be served; the port is taken, or no interface has this address");
     }
-    url_ = "http://" + address_ + ":" + std::to_string(port_) + "/" +
-           (token_.empty() ? "" : "?token=" + token_);
     thread_ = std::thread([this] { server_.listen_after_bind(); });
     while (!server_.is_running()) std::this_thread::yield();
   }
 
-  ~Implementation() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_ending_ = true;
-    }
-    changed_.notify_all();
-    server_.stop();
-    thread_.join();
-  }
-
-  const std::string& url() const { return url_; }
-
-  void show(LiveView view) {
-    auto next = std::make_shared<const LiveView>(std::move(view));
-    {
-      const std::lock_guard lock(mutex_);
-      if (slam::isTracked(next->update.camera.status)) {
-        path_.add(next->update.camera.T_map_robot);
-      }
-      const auto grid = next->map.staticGrid();
-      if (!view_ || grid != view_->map.staticGrid()) ++grid_version_;
-      view_.swap(next);
-      ++views_;
-    }
-    changed_.notify_all();
+  [[nodiscard]] std::string url() const {
+    return "http://" + address_ + ":" + std::to_string(port_) + "/";
   }
 
  private:
@@ -287,32 +331,88 @@ class LivePage::Implementation {
     return Result::Handled;
   }
 
-  void addRoutes() {
-    server_.Get("/", [this](const Request&, Response& response) {
+  const std::string address_;
+  const std::string token_;
+  int port_ = 0;
+  httplib::Server server_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+class LivePage::Implementation {
+ public:
+  explicit Implementation(const LivePageOptions& options)
+      : token_(options.address == kLocal ? "" : randomToken()) {
+    if (options.port) {
+      addRoutes(page_.emplace(options.address, token_, kPageThreads));
+      page_->start(*options.port, "--show");
+    }
+    if (options.health_port) {
+      health_.emplace(kLocal, "", kHealthThreads);
+      health_->get("/health", [this](Response& response) {
+        const auto [text, is_well] = healthOf(views().first.get());
+        response.status = is_well ? 200 : 503;
+        response.set_content(text + "\n", "application/json");
+      });
+      health_->start(*options.health_port, "--health");
+    }
+  }
+
+  ~Implementation() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_ending_ = true;
+    }
+    changed_.notify_all();
+  }
+
+  std::string url() const {
+    return page_ ? page_->url() + (token_.empty() ? "" : "?token=" + token_) : "";
+  }
+  std::string healthUrl() const { return health_ ? health_->url() + "health" : ""; }
+
+  void show(LiveView view) {
+    auto next = std::make_shared<const LiveView>(std::move(view));
+    {
+      const std::lock_guard lock(mutex_);
+      if (slam::isTracked(next->update.camera.status)) {
+        path_.add(next->update.camera.T_map_robot);
+      }
+      view_.swap(next);
+      ++views_;
+    }
+    changed_.notify_all();
+  }
+
+  void draw(LivePictures pictures) {
+    auto next = std::make_shared<const LivePictures>(std::move(pictures));
+    const std::lock_guard lock(mutex_);
+    if (!pictures_ || next->map.staticGrid() != pictures_->map.staticGrid()) ++grid_version_;
+    pictures_.swap(next);
+  }
+
+ private:
+  void addRoutes(Server& server) {
+    server.get("/", [this](Response& response) {
       if (!token_.empty()) {
         response.set_header("Set-Cookie", std::string(kCookie) + "=" + token_ +
                                               "; HttpOnly; SameSite=Strict; Path=/");
       }
       response.set_content(kPageHtml, "text/html; charset=utf-8");
     });
-    server_.Get("/page.css", [](const Request&, Response& response) {
-      response.set_content(kPageCss, "text/css");
+    server.get("/page.css", kPageCss, "text/css");
+    server.get("/top_view.js", kTopViewScript, "text/javascript; charset=utf-8");
+    server.get("/page.js", kPageScript, "text/javascript; charset=utf-8");
+    server.get("/image.jpg", [this](Response& response) {
+      const auto pictures = views().second;
+      sendPicture(pictures ? jpegOf(pictures->frame) : "", "image/jpeg", response);
     });
-    server_.Get("/top_view.js", [](const Request&, Response& response) {
-      response.set_content(kTopViewScript, "text/javascript; charset=utf-8");
+    server.get("/grid.png", [this](Response& response) {
+      const auto pictures = views().second;
+      sendPicture(pictures ? pngOf(pictures->map) : "", "image/png", response);
     });
-    server_.Get("/page.js", [](const Request&, Response& response) {
-      response.set_content(kPageScript, "text/javascript; charset=utf-8");
-    });
-    server_.Get("/image.jpg", [this](const Request&, Response& response) {
-      const auto view = current();
-      sendPicture(view ? jpegOf(view->frame) : "", "image/jpeg", response);
-    });
-    server_.Get("/grid.png", [this](const Request&, Response& response) {
-      const auto view = current();
-      sendPicture(view ? pngOf(view->map) : "", "image/png", response);
-    });
-    server_.Get("/events", [this](const Request&, Response& response) { sendEvents(response); });
+    server.get("/events", [this](Response& response) { sendEvents(response); });
   }
 
   static void sendPicture(const std::string& bytes, const char* type, Response& response) {
@@ -349,31 +449,30 @@ class LivePage::Implementation {
     if (views_ == sent) return ":\n\n";
     sent = views_;
     const auto view = view_;
+    const auto pictures = pictures_;
     const DrivenPath path = path_;
     const std::size_t grid_version = grid_version_;
     lock.unlock();
-    return "data: " + jsonOf(*view, path, grid_version) + "\n\n";
+    return "data: " + jsonOf(*view, pictures.get(), path, grid_version) + "\n\n";
   }
 
-  std::shared_ptr<const LiveView> current() const {
+  /// What is shown and drawn; null: nothing yet.
+  std::pair<std::shared_ptr<const LiveView>, std::shared_ptr<const LivePictures>> views() const {
     const std::lock_guard lock(mutex_);
-    return view_;
+    return {view_, pictures_};
   }
 
-  const std::string address_;
   const std::string token_;  ///< empty: not needed
-  int port_ = 0;
-  std::string url_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<const LiveView> view_;  // guarded by mutex_, like the members below
+  std::shared_ptr<const LivePictures> pictures_;
   DrivenPath path_;
   std::size_t grid_version_ = 0;
   std::size_t views_ = 0;
   bool is_ending_ = false;
-  std::atomic<int> pages_{0};  ///< open event streams
-  httplib::Server server_;
-  std::thread thread_;
+  std::atomic<int> pages_{0};            ///< open event streams
+  std::optional<Server> page_, health_;  // last members, so that they end before the others
 };
 
 LivePage::LivePage(const LivePageOptions& options)
@@ -381,8 +480,12 @@ LivePage::LivePage(const LivePageOptions& options)
 
 LivePage::~LivePage() = default;
 
-const std::string& LivePage::url() const { return implementation_->url(); }
+std::string LivePage::url() const { return implementation_->url(); }
+
+std::string LivePage::healthUrl() const { return implementation_->healthUrl(); }
 
 void LivePage::show(LiveView view) { implementation_->show(std::move(view)); }
+
+void LivePage::draw(LivePictures pictures) { implementation_->draw(std::move(pictures)); }
 
 }  // namespace headway::live

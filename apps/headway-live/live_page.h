@@ -13,26 +13,35 @@
 
 namespace headway::live {
 
-/// Where the page is served.
+/// Where page and health are served.
 struct LivePageOptions {
-  int port = 0;                       ///< 0: any free port
-  std::string address = "127.0.0.1";  ///< of the network interface
+  std::optional<int> port = 0;        ///< of the page; 0: any free port; nullopt: no page
+  std::string address = "127.0.0.1";  ///< of the page's network interface
+  std::optional<int> health_port;     ///< of the health, on 127.0.0.1; 0: any free port
 };
 
-/// What the page shows of one frame.
+/// What the page shows of one frame, but for pictures.
 struct LiveView {
-  RecordedFrame frame;
   pipeline::PerceptionUpdate update;
-  map::PerceptionMap map;
+  double arrival_s = 0.0;  ///< of its second image, by monotonicSeconds() [s]
   double latency_s = 0.0;  ///< from the arrival of the second image to the results
   double process_s = 0.0;  ///< of it in the pipeline
   std::size_t frames = 0;  ///< processed so far
   std::size_t dropped = 0;
+  std::string left_out;  ///< because of the load; or empty
   std::vector<drivers::SensorStatus> sensors;
   Warnings warnings;
 };
 
-/// Serves a page that shows a live run: image with tracks, map from above, latency and health.
+/// What the page draws of one frame.
+struct LivePictures {
+  RecordedFrame frame;
+  map::PerceptionMap map;
+  double arrival_s = 0.0;  ///< as of a LiveView
+};
+
+/// Serves a page that shows a live run: image with tracks, map from above, latency and health; and
+/// the health alone, for programs.
 ///
 /// The page is updated by server-sent events, at most ten a second, and loads nothing from other
 /// servers. Every text is escaped; a strict content security policy forbids everything else.
@@ -40,22 +49,30 @@ struct LiveView {
 /// through the user's browser. On another address than 127.0.0.1 they need the token that url()
 /// contains. Pictures are encoded by the server's threads, and only while a page is open.
 ///
+/// GET /health on the health's port needs no token: JSON with status, submap, age and latency of
+/// the newest frame, sensors and warnings. 200 while the camera is tracked, in whichever submap,
+/// and the newest frame's images came at most 1 s ago; else 503.
+///
 ///     LivePage page({8080});
 ///     std::puts(page.url().c_str());
-///     page.show(std::move(view));  // after each frame
+///     page.show(std::move(view));          // after each frame
+///     page.draw({frame, map, arrival_s});  // after those for which there is time
 class LivePage {
  public:
-  /// @throws InputError if the address cannot be used or the port is taken
+  /// @throws InputError if the address cannot be used or a port is taken
   explicit LivePage(const LivePageOptions& options);
   ~LivePage();  ///< ends all connections
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
 
-  /// Address of the page, with the token if one is needed.
-  [[nodiscard]] const std::string& url() const;
+  /// Address of the page, with the token if one is needed; empty without a page.
+  [[nodiscard]] std::string url() const;
+  [[nodiscard]] std::string healthUrl() const;  ///< empty without one
 
-  /// Replaces what is shown. Never waits for a browser.
+  /// Replaces the figures that are shown. Never waits for a browser.
   void show(LiveView view);
+  /// Replaces the pictures likewise.
+  void draw(LivePictures pictures);
 
  private:
   class Implementation;

@@ -49,6 +49,7 @@ struct LiveOptions {
   std::string record;       ///< rawlog to write; empty: none
   std::optional<std::size_t> show_port;  ///< of the page; nullopt: none
   std::string show_address = "127.0.0.1";
+  std::optional<std::size_t> health_port;  ///< nullopt: none
   double pair_tolerance_s = 0.01;
 };
 
@@ -75,6 +76,8 @@ void describe(LiveOptions& options, program::CommandLine& line) {
       "Serve a page at http://127.0.0.1:PORT that shows images, map and health; 0: any port");
   line.option(options.show_address, 0, "show-address", "ADDRESS",
               "Address to serve the page on instead; its URL then contains a secret token");
+  line.option(options.health_port, 0, "health", "PORT",
+              "Serve http://127.0.0.1:PORT/health for programs: JSON, status 200 while tracked");
   line.option(options.run.detector, 0, "detector", "NAME",
               "Source of boxes; default: detect.detector of the configuration");
   line.flag(options.run.overwrite, 'w', "overwrite", "Overwrite existing results");
@@ -90,8 +93,9 @@ void check(const LiveOptions& options) {
     throw UsageError("--pair-tolerance must not be negative");
   }
   if (!options.run.detector.empty()) replay::checkDetector(options.run.detector);
-  if (options.show_port && *options.show_port > 65535) {
-    throw UsageError("--show: ports are 0 to 65535");
+  for (const auto& [name, port] :
+       {std::pair("--show", options.show_port), std::pair("--health", options.health_port)}) {
+    if (port && *port > 65535) throw UsageError(std::string(name) + ": ports are 0 to 65535");
   }
   if (!options.show_port && options.show_address != LiveOptions().show_address) {
     throw UsageError("--show-address has no effect without --show");
@@ -191,10 +195,11 @@ void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
 }
 
 std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
-  if (!options.show_port) return nullptr;
+  if (!options.show_port && !options.health_port) return nullptr;
   auto page = std::make_unique<live::LivePage>(
-      live::LivePageOptions{static_cast<int>(*options.show_port), options.show_address});
-  std::printf("page: %s\n", page->url().c_str());
+      live::LivePageOptions{options.show_port, options.show_address, options.health_port});
+  if (options.show_port) std::printf("page: %s\n", page->url().c_str());
+  if (options.health_port) std::printf("health: %s\n", page->healthUrl().c_str());
   std::fflush(stdout);
   return page;
 }
@@ -282,31 +287,44 @@ std::string StatusLine::text() {
   return line.data() + (last_->left_out.empty() ? "" : "; " + last_->left_out);
 }
 
-/// Shows each frame on the page.
+/// Shows the figures of each frame on the page, under any load.
 class PageSink : public run::Sink {
  public:
   PageSink(live::LivePage& page, const replay::Replay& run, const drivers::SensorGroup& sensors)
       : page_(page), run_(run), sensors_(sensors) {}
 
-  void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override {
+  void onFrame(const run::FrameResult& result, pipeline::Perception& /*perception*/) override {
     live::LiveView view;
-    view.frame = result.frame;
     view.update = result.update;
-    view.map = perception.map();
+    view.arrival_s = result.arrival_s;
     view.latency_s = monotonicSeconds() - result.arrival_s;
     view.process_s = 1e-3 * run_.summary().last_frame_ms;
     view.frames = result.frames;
     view.dropped = result.source.dropped;
+    view.left_out = result.left_out;
     view.sensors = sensors_.status();
     view.warnings = run_.summary().warnings;
     page_.show(std::move(view));
   }
-  [[nodiscard]] bool isExpendable() const override { return true; }
 
  private:
   live::LivePage& page_;
   const replay::Replay& run_;
   const drivers::SensorGroup& sensors_;
+};
+
+/// Shows images and map on the page where there is time.
+class PictureSink : public run::Sink {
+ public:
+  explicit PictureSink(live::LivePage& page) : page_(page) {}
+
+  void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override {
+    page_.draw({result.frame, perception.map(), result.arrival_s});
+  }
+  [[nodiscard]] bool isExpendable() const override { return true; }
+
+ private:
+  live::LivePage& page_;
 };
 
 /// Runs sensors and pipeline until they are interrupted.
@@ -331,7 +349,9 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   replay::Replay pipeline(options.run, std::make_unique<run::SensorFrames>(source), params,
                           all_params);
   pipeline.add(status);
+  std::optional<PictureSink> pictures;
   std::optional<PageSink> shown;
+  if (page && options.show_port) pipeline.add(pictures.emplace(*page));
   if (page) pipeline.add(shown.emplace(*page, pipeline, *sensors));
   pipeline.run();
   sensors->stop();

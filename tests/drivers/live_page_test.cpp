@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
+#include <headway/core/stage_times.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
 #include <headway_test/waiting.h>
@@ -21,12 +22,22 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// A frame with a walking person, a grid, a failed sensor and a warning with a tag.
+LivePictures examplePictures(std::size_t frame) {
+  LivePictures pictures;
+  pictures.arrival_s = monotonicSeconds();
+  pictures.frame.index = frame;
+  pictures.frame.stereo.emplace();
+  pictures.frame.stereo->left = cv::Mat(60, 80, CV_8U, cv::Scalar(90));
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-2.0F, 2.0F, -1.0F, 1.0F, 0.1F);
+  grid->setPos(0.05F, 0.05F, 0.1F);
+  pictures.map.update(grid);
+  return pictures;
+}
+
+/// A frame with a walking person, a failed sensor and a warning with a tag.
 LiveView exampleView(std::size_t frame) {
   LiveView view;
-  view.frame.index = frame;
-  view.frame.stereo.emplace();
-  view.frame.stereo->left = cv::Mat(60, 80, CV_8U, cv::Scalar(90));
+  view.arrival_s = monotonicSeconds();
   view.update.frame = frame;
   view.update.time = 10.0 + 0.1 * static_cast<double>(frame);
   view.update.camera.status = slam::TrackingStatus::kTracked;
@@ -34,9 +45,6 @@ LiveView exampleView(std::size_t frame) {
   auto track = test::walkingTrack(7, {4.0, 1.0}, {0.0, 1.2});
   track.box2d = Box2d{10, 20, 30, 50};
   view.update.objects.tracks = {track};
-  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-2.0F, 2.0F, -1.0F, 1.0F, 0.1F);
-  grid->setPos(0.05F, 0.05F, 0.1F);
-  view.map.update(grid);
   view.latency_s = 0.045;
   view.frames = frame + 1;
   drivers::SensorStatus sensor;
@@ -50,7 +58,7 @@ LiveView exampleView(std::size_t frame) {
 class LivePageTest : public ::testing::Test {
  protected:
   static int portOf(const LivePage& page) {
-    const auto& url = page.url();
+    const std::string url = page.url();
     return std::stoi(url.substr(url.rfind(':') + 1));
   }
 
@@ -87,6 +95,7 @@ TEST_F(LivePageTest, ServesThePageWithAStrictPolicyAndNothingFromElsewhere) {
 TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   LivePage page({});
   page.show(exampleView(3));
+  page.draw(examplePictures(4));
   page.show(exampleView(4));
   httplib::Client client("127.0.0.1", portOf(page));
   const std::string event = firstEvent(client);
@@ -107,6 +116,63 @@ TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   const cv::Mat cells = cv::imdecode(png, cv::IMREAD_UNCHANGED);
   EXPECT_EQ(4, cells.channels());
   EXPECT_EQ(1, cv::countNonZero(cv::Mat(cells.reshape(1, cells.rows * cells.cols).col(3))));
+}
+
+TEST_F(LivePageTest, FiguresGoOnWhilePicturesAreLeftOut) {
+  LivePage page({});
+  page.draw(examplePictures(4));
+  LiveView view = exampleView(9);
+  view.left_out = "without pictures";
+  view.arrival_s -= 0.5;
+  page.show(view);
+  httplib::Client client("127.0.0.1", portOf(page));
+  const std::string event = firstEvent(client);
+  const auto json = nlohmann::json::parse(event.substr(event.find('{')));
+  EXPECT_EQ(9, json.at("frame"));
+  EXPECT_GE(json.at("age_ms"), 500.0);
+  EXPECT_EQ("without pictures", json.at("left_out"));
+  EXPECT_EQ(4, json.at("pictures").at("frame"));
+  EXPECT_LT(json.at("pictures").at("age_ms"), json.at("age_ms"));
+  EXPECT_EQ(200, client.Get("/image.jpg")->status) << "the last one";
+}
+
+TEST_F(LivePageTest, HealthIsGoodWhileTrackedAndNoOlderThanASecond) {
+  LivePage page({std::nullopt, "127.0.0.1", 0});
+  EXPECT_EQ("", page.url());
+  const std::string url = page.healthUrl();
+  EXPECT_THAT(url, StartsWith("http://127.0.0.1:"));
+  const int port = std::stoi(url.substr(url.rfind(':') + 1));
+  httplib::Client client("127.0.0.1", port);
+  const auto health = [&](int status) {
+    const auto response = client.Get("/health");
+    EXPECT_EQ(status, response->status) << response->body;
+    return nlohmann::json::parse(response->body);
+  };
+  EXPECT_EQ("waiting", health(503).at("status"));
+  LiveView view = exampleView(3);
+  view.update.camera.submap = 2;
+  view.update.camera.status = slam::TrackingStatus::kTrackedInNewSubmap;
+  page.show(view);
+  const auto json = health(200);
+  EXPECT_EQ("tracked_in_new_submap", json.at("status"));
+  EXPECT_EQ(2, json.at("submap"));
+  EXPECT_LT(json.at("age_s"), 1.0);
+  EXPECT_EQ(0.045, json.at("latency_s"));
+  EXPECT_EQ("the plug was pulled", json.at("sensors")[0].at("error"));
+  EXPECT_EQ(1u, json.at("warnings").size());
+  for (const auto status : {slam::TrackingStatus::kUnreliable, slam::TrackingStatus::kLost}) {
+    view.update.camera.status = status;
+    page.show(view);
+    EXPECT_EQ(slam::toString(status), health(503).at("status"));
+  }
+  view.update.camera.status = slam::TrackingStatus::kTracked;
+  view.arrival_s = monotonicSeconds() - 0.8;
+  page.show(view);
+  (void)health(200);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_GT(health(503).at("age_s"), 1.0) << "nothing has come since";
+  EXPECT_EQ(404, client.Get("/")->status);
+  EXPECT_EQ(403, client.Get("/health", {{"Host", "evil.example:" + std::to_string(port)}})->status);
 }
 
 TEST_F(LivePageTest, OtherHostNamesAreRejected) {
@@ -140,6 +206,7 @@ TEST_F(LivePageTest, ATakenPortAndAnUnknownAddressAreErrors) {
   LivePage page({});
   EXPECT_THROW(LivePage({portOf(page)}), InputError);
   EXPECT_THROW(LivePage({0, "203.0.113.7"}), InputError);
+  EXPECT_THROW(LivePage({std::nullopt, "127.0.0.1", portOf(page)}), InputError);
 }
 
 TEST_F(LivePageTest, EndsWhileABrowserListens) {
@@ -190,10 +257,11 @@ class Browser {
 
 TEST_F(LivePageTest, ChromiumDrawsTheNewestFrame) {
   LivePage page({});
+  page.draw(examplePictures(3));
   page.show(exampleView(3));
   const Browser browser(page.url());
   EXPECT_THAT(browser.waitForTitle("tracked, frame 3"), HasSubstr("tracked, frame 3"));
-  page.show(exampleView(4));
+  page.show(exampleView(4));  // its picture is left out
   EXPECT_THAT(browser.waitForTitle("tracked, frame 4"), HasSubstr("tracked, frame 4"));
   EXPECT_THAT(browser.output(), Not(HasSubstr("Content Security Policy")));
 }

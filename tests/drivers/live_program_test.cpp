@@ -5,6 +5,7 @@
 #include <headway_test/process.h>
 #include <headway_test/repeats.h>
 #include <headway_test/waiting.h>
+#include <httplib.h>
 
 #include <array>
 #include <csignal>
@@ -81,8 +82,20 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
       "pose_z = 1.65\npose_yaw = -90\npose_roll = -90\n");
   const std::string out = folder_ / "out";
   const std::string recorded = folder_ / "live.rawlog";
-  const auto run = live("--sensors " + ini + " -o " + out + " --record " + recorded, frames(12));
+  std::string health;  // while it ran
+  const auto isGood = [&](const std::string& output) {
+    std::smatch port;
+    if (!std::regex_search(output, port, std::regex("health: http://127.0.0.1:([0-9]+)/health")))
+      return false;
+    const auto response = httplib::Client("127.0.0.1", std::stoi(port[1])).Get("/health");
+    if (response && response->status == 200) health = response->body;
+    return !health.empty() && trackedFrames(output) >= 12;
+  };
+  const auto run =
+      live("--sensors " + ini + " -o " + out + " --health 0 --record " + recorded, isGood);
   EXPECT_EQ(run.status, 0) << run.output;
+  EXPECT_THAT(health, HasSubstr("\"status\":\"tracked\""));
+  EXPECT_THAT(health, HasSubstr("\"sensors\":[{\"name\":\"CAM\""));
   EXPECT_THAT(run.output, HasSubstr("latency"));
   EXPECT_THAT(run.output, HasSubstr("tracked"));
   const auto summary = nlohmann::json::parse(test::contentsOf(out + "/summary.json"));

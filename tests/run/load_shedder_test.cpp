@@ -63,8 +63,8 @@ TEST(LoadShedderTest, OneSlowFrameLeavesNothingOut) {
 TEST(LoadShedderTest, TheLeastUsefulWorkIsLeftOutFirstAndNoMoreThanNeeded) {
   LoadedRobot robot;
   robot.run(10.0, 0.085);  // 115 ms: without page 105, without most scans 97
-  EXPECT_EQ((std::vector<Level>{Level::kPage, Level::kMostScans}), robot.levels);
-  EXPECT_THAT(robot.lines.front(), HasSubstr("without page"));
+  EXPECT_EQ((std::vector<Level>{Level::kPictures, Level::kMostScans}), robot.levels);
+  EXPECT_THAT(robot.lines.front(), HasSubstr("without pictures"));
   EXPECT_EQ(1.2, robot.shedder().params().grid_period_s);
   robot.run(10.0, 0.200);
   EXPECT_EQ(Level::kFarBoxes, robot.shedder().level());

@@ -279,7 +279,7 @@ TEST(SessionTest, ExpendableSinksAreLeftOutUnderLoadTheOthersAreNot) {
     if (!result->left_out.empty()) ++left_out;
   }
   ASSERT_EQ(1u, changes.size()) << "without the page 60 % of the interval remain";
-  EXPECT_THAT(changes.front(), HasSubstr("without page"));
+  EXPECT_THAT(changes.front(), HasSubstr("without pictures"));
   EXPECT_GT(left_out, 10u);
   EXPECT_EQ(30u, page.frames.size() + left_out);
   EXPECT_EQ(30u, log.calls.size());

@@ -8,7 +8,9 @@ const arrivals = [];
 let image = null;
 let grid = {version: -1, picture: null, bounds: null};
 let busy = false;
+let drawn = null;  // frame of the pictures
 let last = null;
+let lastAt = 0;  // when it came
 let metres = 30;  // across the shorter side of the map
 
 function drawCamera(state) {
@@ -71,6 +73,27 @@ function element(kind, text, style) {
   return made;
 }
 
+/// Of data, which grows while nothing comes [ms].
+const ageOf = (ageThen) => ageThen + performance.now() - lastAt;
+const seconds = (ms) => `${(ms / 1000).toFixed(1)} s`;
+const maxAge = 1000;
+
+/// What is too old is red: the newest frame, and pictures that are left out under load.
+function showAges() {
+  if (!last) return;
+  const age = ageOf(last.age_ms);
+  byId('age').textContent = seconds(age);
+  if (events.readyState === EventSource.OPEN) {
+    if (age > maxAge) showState(`no frame for ${seconds(age)}, ${last.status} before`, 'gone');
+    else showState(last.status, last.status);
+  }
+  const pictures = last.pictures;
+  const isOld = pictures && pictures.frame !== last.frame;
+  byId('pictures').textContent = !isOld ? '' :
+      `picture and map of frame ${pictures.frame}, ${seconds(ageOf(pictures.age_ms))} old` +
+      (last.left_out ? ` (load: ${last.left_out})` : '');
+}
+
 function showState(text, style) {
   byId('state').textContent = text;
   byId('state').className = `state ${style}`;
@@ -82,7 +105,7 @@ function showFigures(state) {
       Math.max(0.1, (arrivals[arrivals.length - 1].at - arrivals[0].at) / 1000) : 0;
   const [x, y, yaw] = state.pose;
   const figures = {
-    frame: state.frame, 'frames/s': rate.toFixed(1), latency: `${state.latency_ms.toFixed(0)} ms`,
+    frame: state.frame, age: '', 'frames/s': rate.toFixed(1), latency: `${state.latency_ms.toFixed(0)} ms`,
     processing: `${state.process_ms.toFixed(0)} ms`, dropped: state.dropped,
     x: `${x.toFixed(2)} m`, y: `${y.toFixed(2)} m`, yaw: `${(yaw * 180 / Math.PI).toFixed(0)}°`,
     landmarks: state.inliers, tracks: state.tracks.length,
@@ -90,6 +113,7 @@ function showFigures(state) {
   fill(byId('figures'), Object.entries(figures).map(([name, value]) => {
     const pair = document.createElement('div');
     pair.append(element('dt', name), element('dd', value));
+    if (name === 'age') pair.lastChild.id = 'age';
     return pair;
   }));
 }
@@ -113,21 +137,25 @@ const load = async (url) => createImageBitmap(await (await fetch(url)).blob());
 
 async function update(state) {
   last = state;
+  lastAt = performance.now();
   latencies.push(state.latency_ms);
   if (latencies.length > 300) latencies.shift();
   arrivals.push({at: performance.now(), frames: state.frames});
   if (arrivals.length > 20) arrivals.shift();
-  showState(state.status, state.status);
   showFigures(state);
+  showAges();
   showHealth(state);
-  if (busy) return;
+  redraw();
+  const pictures = state.pictures;
+  if (busy || !pictures || pictures.frame === drawn) return;
   busy = true;
   try {
-    if (state.has_image) image = await load(`image.jpg?frame=${state.frame}`);
-    if (state.grid && state.grid.version !== grid.version) {
-      const picture = await load(`grid.png?version=${state.grid.version}`);
-      grid = {version: state.grid.version, picture, bounds: state.grid};
+    if (pictures.has_image) image = await load(`image.jpg?frame=${pictures.frame}`);
+    if (pictures.grid && pictures.grid.version !== grid.version) {
+      const picture = await load(`grid.png?version=${pictures.grid.version}`);
+      grid = {version: pictures.grid.version, picture, bounds: pictures.grid};
     }
+    drawn = pictures.frame;
   } catch (error) {
     // The picture is drawn with the next event.
   } finally {
@@ -147,6 +175,7 @@ function redraw() {
 const events = new EventSource('events');
 events.onmessage = (event) => update(JSON.parse(event.data));
 events.onerror = () => showState('no connection', 'gone');
+setInterval(showAges, 200);
 window.addEventListener('resize', redraw);
 byId('map').addEventListener('wheel', (event) => {
   metres = Math.min(500, Math.max(5, metres * Math.exp(event.deltaY / 500)));

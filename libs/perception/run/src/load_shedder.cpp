@@ -70,9 +70,9 @@ pipeline::RuntimeParams LoadShedder::params() const {
 }
 
 std::string LoadShedder::description() const {
-  constexpr const char* kTexts[] = {"", "without page", "without page and most ground scans",
-                                    "without page and grid",
-                                    "without page, grid and boxes beyond 30 m"};
+  constexpr const char* kTexts[] = {
+      "", "without pictures", "without pictures and most ground scans", "without pictures and grid",
+      "without pictures, grid and boxes beyond 30 m"};
   return kTexts[static_cast<std::size_t>(level_)];
 }
 

@@ -23,7 +23,7 @@ namespace headway::run {
 class LoadShedder {
  public:
   /// What is left out; each with those before.
-  enum class Level { kNothing, kPage, kMostScans, kScans, kFarBoxes };
+  enum class Level { kNothing, kPictures, kMostScans, kScans, kFarBoxes };
 
   /// @param full  parameters without any load
   explicit LoadShedder(const pipeline::RuntimeParams& full) : full_(full) {}
@@ -39,7 +39,7 @@ class LoadShedder {
   [[nodiscard]] Level level() const { return level_; }
   /// For Perception::change().
   [[nodiscard]] pipeline::RuntimeParams params() const;
-  /// What is left out, such as "without page and grid"; empty if nothing is.
+  /// What is left out, such as "without pictures and grid"; empty if nothing is.
   [[nodiscard]] std::string description() const;
 
  private:

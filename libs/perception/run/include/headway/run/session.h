@@ -120,7 +120,7 @@ struct FrameResult {
   double end_s = 0.0;        ///< of the same [s]
   double delivered_s = 0.0;  ///< when all sinks had it; 0 in the sinks [s]
   double processor_s = 0.0;  ///< time of all threads during process() [s]
-  std::string left_out;      ///< because of the load, such as "without page and grid"; or empty
+  std::string left_out;      ///< because of the load, such as "without pictures and grid"; or empty
   std::string load_change;   ///< one line if this has changed with the frame; or empty
 
   [[nodiscard]] double process_s() const { return end_s - start_s; }
