@@ -263,6 +263,7 @@ TEST_F(LivePageTest, ChromiumDrawsTheNewestFrame) {
   EXPECT_THAT(browser.waitForTitle("tracked, frame 3"), HasSubstr("tracked, frame 3"));
   page.show(exampleView(4));  // its picture is left out
   EXPECT_THAT(browser.waitForTitle("tracked, frame 4"), HasSubstr("tracked, frame 4"));
+  EXPECT_THAT(browser.waitForTitle("no frame for"), HasSubstr("tracked before, frame 4"));
   EXPECT_THAT(browser.output(), Not(HasSubstr("Content Security Policy")));
 }
 

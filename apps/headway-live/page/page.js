@@ -73,6 +73,10 @@ function element(kind, text, style) {
   return made;
 }
 
+function showTitle() {
+  document.title = `${byId('state').textContent}, frame ${last.frame} - headway`;
+}
+
 /// Of data, which grows while nothing comes [ms].
 const ageOf = (ageThen) => ageThen + performance.now() - lastAt;
 const seconds = (ms) => `${(ms / 1000).toFixed(1)} s`;
@@ -84,8 +88,12 @@ function showAges() {
   const age = ageOf(last.age_ms);
   byId('age').textContent = seconds(age);
   if (events.readyState === EventSource.OPEN) {
-    if (age > maxAge) showState(`no frame for ${seconds(age)}, ${last.status} before`, 'gone');
-    else showState(last.status, last.status);
+    if (age > maxAge) {
+      showState(`no frame for ${seconds(age)}, ${last.status} before`, 'gone');
+      showTitle();
+    } else {
+      showState(last.status, last.status);
+    }
   }
   const pictures = last.pictures;
   const isOld = pictures && pictures.frame !== last.frame;
@@ -169,7 +177,7 @@ function redraw() {
   drawCamera(last);
   drawMap(last);
   drawLatency();
-  document.title = `${last.status}, frame ${last.frame} - headway`;
+  showTitle();
 }
 
 const events = new EventSource('events');
