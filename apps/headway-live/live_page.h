@@ -17,7 +17,7 @@ namespace headway::live {
 struct LivePageOptions {
   std::optional<int> port = 0;        ///< of the page; 0: any free port; nullopt: no page
   std::string address = "127.0.0.1";  ///< of the page's network interface
-  std::optional<int> health_port;     ///< of the health, on 127.0.0.1; 0: any free port
+  std::optional<int> health_port = std::nullopt;  ///< of the health, on 127.0.0.1; 0: any free port
 };
 
 /// What the page shows of one frame, but for pictures.

@@ -18,6 +18,7 @@ namespace {
 using mrpt::img::DistortionModel;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr test::BagFormat kRos1 = {"bag", "lz4"};
 constexpr test::BagFormat kMcap = {"mcap", "zstd"};
@@ -134,6 +135,15 @@ TEST_F(BagVariantsTest, SensorsAndFramesCanBeLeftOut) {
   const auto samples = observations<mrpt::obs::CObservationIMU>().size();
   EXPECT_EQ(40u, samples) << "those between frame 1 and frame 5";
   EXPECT_THAT(part.output, HasSubstr("3 frames, " + std::to_string(samples) + " inertial samples"));
+}
+
+TEST_F(BagVariantsTest, APartCountsWhatWasSkippedInItAlone) {
+  HEADWAY_WRITE_BAG(kRos1, "no_tf", at("b.bag"));
+  const auto part = import(at("b.bag") + " --from-index 2 --to-index 4 -o " + at("x.rawlog"));
+  EXPECT_THAT(part.output,
+              AllOf(HasSubstr("x.rawlog: 3 frames"), HasSubstr("no_tf_of_frame_imu_link 30"),
+                    HasSubstr("no_tf_of_frame_laser 3"), Not(HasSubstr("unpaired"))))
+      << "a second was read beyond frame 4, to put observations in order";
 }
 
 TEST_F(BagVariantsTest, FilesOfASplitBagAreReadInOrder) {

@@ -68,6 +68,13 @@ void MessageImport::add(const BagTopic& topic, const BagMessage& message) {
   }
 }
 
+std::map<std::string, std::size_t> MessageImport::dropped(std::size_t waiting) const {
+  auto dropped = summary_.dropped;
+  const std::size_t unpaired = pairing_.unpaired() + waiting;
+  if (unpaired > 0) dropped["unpaired_image"] += unpaired;
+  return dropped;
+}
+
 Time MessageImport::timeOf(const MessageHeader& header, const BagMessage& message) {
   if (header.time_ns != 0) return static_cast<double>(header.time_ns) * 1e-9;
   ++summary_.dropped["header_without_time"];  // its time alone: that of the recording is used
@@ -107,6 +114,7 @@ void MessageImport::addPair(const ImagePairing::Pair& pair) {
   TimeOrder::Event event;
   event.time = time;
   event.bytes = bytesOf(first) + bytesOf(second);
+  event.dropped = dropped(0);
   if (!is_stereo_) {
     event.write = [first, second, time, &rig = rig_](io::RawlogSink& sink) {
       sink.write(*depthObservation(first, second, time, rig));
@@ -191,7 +199,7 @@ void MessageImport::addFix(const BagTopic& topic, const BagMessage& message) {
 }
 
 void MessageImport::finish() {
-  if (pairing_.unpaired() > 0) summary_.dropped["unpaired_image"] += pairing_.unpaired();
+  summary_.dropped = dropped(pairing_.waiting());
   if (pairs_ > 0) return;
   const auto& topics = options_.topics;
   const std::string both = (is_stereo_ ? topics.left : topics.color) + " and " +
@@ -211,6 +219,39 @@ void MessageImport::finish() {
   throw InputError("no pair of images of " + both + reasons);
 }
 
+namespace {
+
+/// What was dropped in the frames of a part alone.
+class DroppedInPart {
+ public:
+  explicit DroppedInPart(const BagImportOptions& options) : options_(options) {}
+
+  /// @param index  of the frame
+  void add(std::size_t index, std::map<std::string, std::size_t> so_far) {
+    if (index + 1 == options_.first_frame) before_ = so_far;
+    if (index == options_.last_frame) at_last_ = std::move(so_far);
+  }
+
+  /// @param all  at the end of what was read, which may be beyond the part
+  [[nodiscard]] std::map<std::string, std::size_t> of(
+      const std::map<std::string, std::size_t>& all) const {
+    std::map<std::string, std::size_t> part;
+    for (const auto& [reason, count] : at_last_.value_or(all)) {
+      const auto before = before_.find(reason);
+      const std::size_t counted = count - (before == before_.end() ? 0 : before->second);
+      if (counted > 0) part[reason] = counted;
+    }
+    return part;
+  }
+
+ private:
+  const BagImportOptions& options_;
+  std::map<std::string, std::size_t> before_;
+  std::optional<std::map<std::string, std::size_t>> at_last_;
+};
+
+}  // namespace
+
 BagImportSummary importBag(const std::string& path, const BagImportOptions& options,
                            io::RawlogSink& sink,
                            const std::function<bool(std::size_t, double)>& go_on) {
@@ -219,6 +260,7 @@ BagImportSummary importBag(const std::string& path, const BagImportOptions& opti
   summary.notes = rig.notes;
   MessageImport import(options, rig, summary);
   const auto bag = openBag(path);
+  DroppedInPart dropped(options);
   std::size_t frames = 0;  // read
   bool is_selected = true;
   const auto write_due = [&](bool at_end) {
@@ -231,7 +273,7 @@ BagImportSummary importBag(const std::string& path, const BagImportOptions& opti
         event->write(sink);
         ++(is_frame ? summary.frames : summary.written[event->kind]);
       }
-      if (is_selected && is_frame) ++frames;
+      if (is_selected && is_frame) dropped.add(frames++, event->dropped);
       summary.was_stopped = is_frame && !go_on(summary.frames, bag->progress());
       if (summary.was_stopped) is_selected = false;
     }
@@ -248,6 +290,7 @@ BagImportSummary importBag(const std::string& path, const BagImportOptions& opti
     throw InputError("--from-index " + std::to_string(options.first_frame) + ": the bag has only " +
                      std::to_string(frames) + " frames");
   }
+  summary.dropped = dropped.of(summary.dropped);
   summary.truncation = bag->truncation();
   for (const auto& [reason, count] : bag->skipped()) summary.dropped[reason] += count;
   return summary;

@@ -58,10 +58,9 @@ class ImagePairing {
     return pair;
   }
 
-  /// Number of images without a partner; those that wait are among them at the end.
-  [[nodiscard]] std::size_t unpaired() const {
-    return unpaired_ + waiting_[0].size() + waiting_[1].size();
-  }
+  /// Number of images without a partner; at the end, of those that wait for one.
+  [[nodiscard]] std::size_t unpaired() const { return unpaired_; }
+  [[nodiscard]] std::size_t waiting() const { return waiting_[0].size() + waiting_[1].size(); }
   /// Smallest distance of a left and a right image [s]; infinite if one camera has none.
   [[nodiscard]] double nearest() const { return nearest_s_; }
 
@@ -88,6 +87,7 @@ class TimeOrder {
     const char* kind = nullptr;  ///< of what is counted when written; null: a frame
     std::size_t bytes = 0;
     std::function<void(io::RawlogSink&)> write;
+    std::map<std::string, std::size_t> dropped;  ///< when a frame was read, from the beginning on
   };
 
   void add(Event event) {
@@ -132,6 +132,7 @@ class MessageImport {
   void finish();
 
  private:
+  [[nodiscard]] std::map<std::string, std::size_t> dropped(std::size_t waiting) const;
   [[nodiscard]] Time timeOf(const MessageHeader& header, const BagMessage& message);
   void addImage(std::size_t side, const BagTopic& topic, const BagMessage& message);
   void addPair(const ImagePairing::Pair& pair);
