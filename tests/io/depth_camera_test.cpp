@@ -178,6 +178,30 @@ TEST_F(DepthCameraTest, PixelsThatALensMapsFarAwayAreLeftOut) {
   EXPECT_TRUE(cv::checkRange(frame.stereo->disparity));
 }
 
+/// What covers a pixel does not depend on the range for cameras in one place, and is found once.
+TEST_F(DepthCameraTest, CamerasInOnePlaceSeeAsThoseAHairApart) {
+  RawDepthCamera camera = registeredCamera();
+  camera.color.distortion = camera.depth.distortion = {-0.2, 0.05, 0.0, 0.0, 0.0};
+  camera.T_color_depth.linear() = expSo3({0.02, -0.03, 0.01});
+  for (const bool ranges_are_depths : {true, false}) {
+    camera.ranges_are_depths = ranges_are_depths;
+    camera.T_color_depth.translation().x() = 0.0;
+    cv::Mat ranges = wallDepth(camera);
+    ranges(cv::Rect(60, 30, 10, 12)).setTo(1000);
+    ranges(cv::Rect(90, 60, 10, 12)).setTo(0);
+    ranges(cv::Rect(90, 90, 10, 12)).setTo(65535);
+    ranges(cv::Rect(20, 90, 10, 12)).setTo(30);  // nearer than anything is
+    const StereoCamera target = test::smallCamera();
+    const cv::Mat at_once = DepthRegistration(camera, target).disparities(ranges);
+    camera.T_color_depth.translation().x() = 1e-4;  // 0.005 px at 2 m
+    const cv::Mat one_by_one = DepthRegistration(camera, target).disparities(ranges);
+    cv::Mat difference;
+    cv::absdiff(at_once, one_by_one, difference);
+    EXPECT_LT(cv::countNonZero(difference > 0.02), 100) << "those at edges of surfaces";
+    EXPECT_GT(cv::countNonZero(at_once > 0.0), 17000);
+  }
+}
+
 TEST_F(DepthCameraTest, UnitsAndHolesAreKept) {
   RawDepthCamera camera = registeredCamera();
   camera.metres_per_unit = 0.0002;

@@ -12,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <vector>
 
 namespace headway::io {
@@ -141,6 +142,7 @@ constexpr double kMinUnitM = 1e-6, kMaxUnitM = 0.1;
 constexpr float kStep = 3.0F;              // [px]
 constexpr float kStepRatio = 0.06F;        // or this ratio of the disparity
 constexpr float kMaxTriangleSide = 64.0F;  // of a triangle between neighbouring pixels [px]
+constexpr double kMaxParallax_px = 0.05;   // of what is nearest, for cameras in one place
 constexpr float kRounding = 1e-3F;         // of a pixel on an edge, relative to a triangle
 
 bool isSameLens(const RawCamera& lens, const StereoCamera& camera) {
@@ -176,8 +178,21 @@ class Triangle {
  public:
   Triangle(const Point& a, const Point& b, const Point& c)
       : a_(a), ab_(b - a), ac_(c - a), area_(ab_[0] * ac_[1] - ac_[0] * ab_[1]) {
-    const auto [least, most] = std::minmax({a[2], b[2], c[2]});
-    is_surface_ = least > 0.0F && most - least <= std::max(kStep, kStepRatio * most);
+    is_surface_ = isSurface(a[2], b[2], c[2]);
+  }
+  /// Whether three disparities are of one surface.
+  [[nodiscard]] static bool isSurface(float a, float b, float c) {
+    const auto [least, most] = std::minmax({a, b, c});
+    return least > 0.0F && most - least <= std::max(kStep, kStepRatio * most);
+  }
+  /// Weights of the second and third corner at a pixel; nullopt outside and if seen from behind.
+  [[nodiscard]] std::optional<std::array<float, 2>> weightsAt(int u, int v) const {
+    if (!(area_ > 0.0F)) return std::nullopt;
+    const float du = static_cast<float>(u) - a_[0], dv = static_cast<float>(v) - a_[1];
+    const float of_b = du * ac_[1] - ac_[0] * dv, of_c = ab_[0] * dv - du * ab_[1];  // times area_
+    const float rounding = kRounding * area_;
+    if (of_b < -rounding || of_c < -rounding || of_b + of_c > area_ + rounding) return std::nullopt;
+    return std::array<float, 2>{of_b / area_, of_c / area_};
   }
   /// Whether it is of one surface, seen from ahead.
   [[nodiscard]] bool isSeen() const { return is_surface_ && area_ > 0.0F; }
@@ -356,9 +371,70 @@ DepthRegistration::DepthRegistration(const RawDepthCamera& recorded, const Stere
   }
   const auto rays = raysOf(pixels, recorded.depth);
   cv::Mat(rays, true).reshape(2, size().height).convertTo(rays_, CV_32F);
+  const double parallax_px =
+      target.fx * recorded.T_color_depth.translation().norm() / static_cast<double>(kNearestM);
+  if (!is_registered_ && parallax_px < kMaxParallax_px) coverOnce();
+}
+
+/// Finds which depth pixels cover which pixel, which does not depend on ranges if there is no
+/// parallax.
+void DepthRegistration::coverOnce() {
+  constexpr std::uint16_t kFar = 60'000;  // any range but for holes
+  const cv::Mat points = projected(cv::Mat(size(), CV_16U, cv::Scalar(kFar)));
+  cv::extractChannel(points, unit_disparities_, 2);
+  unit_disparities_ *= static_cast<double>(kFar);
+  for (int place = 0; place + points.cols + 1 < static_cast<int>(points.total()); ++place) {
+    if (place % points.cols == points.cols - 1) continue;
+    const std::array<int, 4> quad = {place, place + 1, place + points.cols,
+                                     place + points.cols + 1};
+    const auto* all = points.ptr<Point>();
+    const Point &a = all[quad[0]], &b = all[quad[1]], &c = all[quad[2]], &d = all[quad[3]];
+    const auto columns = pixelsBetween(std::min({a[0], b[0], c[0], d[0]}),
+                                       std::max({a[0], b[0], c[0], d[0]}), target_.width);
+    const auto rows = pixelsBetween(std::min({a[1], b[1], c[1], d[1]}),
+                                    std::max({a[1], b[1], c[1], d[1]}), target_.height);
+    const Triangle upper(a, b, c), lower(b, d, c);
+    for (int v = rows.first; v <= rows.last; ++v) {
+      for (int u = columns.first; u <= columns.last; ++u) {
+        const int pixel = v * target_.width + u;
+        if (const auto weights = upper.weightsAt(u, v)) {
+          covers_.push_back({pixel, {quad[0], quad[1], quad[2]}, (*weights)[0], (*weights)[1]});
+        }
+        if (const auto weights = lower.weightsAt(u, v)) {
+          covers_.push_back({pixel, {quad[1], quad[3], quad[2]}, (*weights)[0], (*weights)[1]});
+        }
+      }
+    }
+  }
+}
+
+cv::Mat DepthRegistration::disparitiesByCovers(const cv::Mat& ranges) const {
+  cv::Mat measured(size(), CV_32F);
+  const auto max_disparity =
+      static_cast<float>(target_.fx * target_.baseline_m / static_cast<double>(kNearestM));
+  for (int v = 0; v < measured.rows; ++v) {
+    const auto* range = ranges.ptr<std::uint16_t>(v);
+    const auto* unit = unit_disparities_.ptr<float>(v);
+    auto* disparity = measured.ptr<float>(v);
+    for (int u = 0; u < measured.cols; ++u) {
+      const float value = unit[u] / static_cast<float>(std::max<int>(range[u], 1));
+      const bool is_hole = range[u] == 0 || range[u] == std::numeric_limits<std::uint16_t>::max();
+      disparity[u] = is_hole || !(value < max_disparity) ? 0.0F : value;
+    }
+  }
+  cv::Mat result(target_.height, target_.width, CV_32F, cv::Scalar(0));
+  const auto* from = measured.ptr<float>();
+  auto* to = result.ptr<float>();
+  for (const Cover& cover : covers_) {
+    const float a = from[cover.corners[0]], b = from[cover.corners[1]], c = from[cover.corners[2]];
+    if (!Triangle::isSurface(a, b, c)) continue;
+    to[cover.pixel] = std::max(to[cover.pixel], a + cover.of_b * (b - a) + cover.of_c * (c - a));
+  }
+  return result;
 }
 
 cv::Mat DepthRegistration::disparities(const cv::Mat& ranges) const {
+  if (!covers_.empty()) return disparitiesByCovers(ranges);
   const cv::Mat points = projected(ranges);
   cv::Mat result(target_.height, target_.width, CV_32F, cv::Scalar(0));
   if (is_registered_) {

@@ -78,12 +78,23 @@ class DepthRegistration {
   [[nodiscard]] cv::Size size() const { return {recorded_.depth.width, recorded_.depth.height}; }
 
  private:
+  /// Three depth pixels whose triangle covers a pixel of the intensity image.
+  struct Cover {
+    int pixel;                   ///< that is covered, as all by its place in its image's rows
+    std::array<int, 3> corners;  ///< depth pixels
+    float of_b, of_c;            ///< weights of the second and third
+  };
+
   [[nodiscard]] cv::Mat projected(const cv::Mat& ranges) const;
+  void coverOnce();
+  [[nodiscard]] cv::Mat disparitiesByCovers(const cv::Mat& ranges) const;
 
   RawDepthCamera recorded_;
   StereoCamera target_;
   cv::Mat rays_;                ///< (x/z, y/z) of each depth pixel, 32-bit
   bool is_registered_ = false;  ///< pixels are those of the rectified intensity image
+  std::vector<Cover> covers_;   ///< of cameras in one place; else empty
+  cv::Mat unit_disparities_;    ///< then: disparity of each depth pixel at a range of 1, 32-bit
 };
 
 }  // namespace headway::io
