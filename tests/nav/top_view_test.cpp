@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -14,8 +15,10 @@ namespace {
 TrialRecord detour(const RobotParams& robot, double side_m) {
   TrialRecord record;
   record.policy = "sweep";
+  const auto scene = std::make_shared<TrialScene>(TrialScene{{robot.goal_m, 0.0}, {}, {}});
   for (int i = 0; i <= 40; ++i) {
     TrialMoment moment;
+    moment.scene = scene;
     moment.time_s = 0.25 * i;
     const double ratio = i / 40.0;
     moment.robot = {ratio * robot.goal_m, side_m * std::sin(ratio * 3.14159), 0.0};

@@ -260,7 +260,7 @@ SiteEnvironment::SiteEnvironment(const SimParams& params, Driver driver)
       vehicles_(params.traffic, site_, robot_.obstacle(), seedOf({seed_, kVehicleSeed}), next_id_),
       walkers_(params.traffic, site_, grid_, seedOf({seed_, kPeopleSeed})) {
   walkers_.populate(robot_, next_id_);
-  if (robot_.course()) walkers_.meet(robot_, seedOf({seed_, kEncounterSeed}), next_id_);
+  if (robot_.course() && params.traffic.pedestrians > 0) walkers_.meet(robot_, seedOf({seed_, kEncounterSeed}), next_id_);
   Random random(seedOf({seed_, kBicycleSeed}));
   for (const Spot& spot : site_.bicycles) {
     Actor bicycle = drawActor(ActorKind::kBicycle, next_id_++, random);

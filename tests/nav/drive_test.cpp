@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The closed loop in small simulated halls.
+#include "drive.h"
+
+#include <gtest/gtest.h>
+
+#include "policy_figures.h"
+
+namespace headway::app {
+namespace {
+
+/// A hall with so many people, seen by a small camera.
+DriveSetup hallWith(int people, Sense sense) {
+  DriveSetup setup;
+  setup.sense = sense;
+  sim::SimParams& world = setup.world;
+  world.world.kind = sim::WorldParams::Kind::kHall;
+  world.traffic = {};
+  world.traffic.vehicles = world.traffic.cyclists = 0;
+  world.traffic.pedestrians = people;
+  world.camera.width = 320;
+  world.camera.height = 240;
+  world.camera.focal_px = 200.0;
+  world.camera.baseline_m = 0.12;
+  world.camera.mount_height_m = 0.5;
+  world.camera.pitch_down_deg = 10.0;
+  world.camera.colour = false;
+  setup.nav.robot.radius_m = setup.robot.radius();
+  setup.nav.robot.length_m = setup.robot.length_m;
+  setup.nav.robot.width_m = setup.robot.width_m;
+  return setup;
+}
+
+TEST(DriveTest, APerfectEyeReachesItsGoalInAnEmptyHall) {
+  const TrialResult result = DriveRunner(hallWith(0, Sense::kTruth)).run(16);
+  const DriveResult& drive = *result.drive;
+  EXPECT_TRUE(result.goal_reached);
+  EXPECT_GE(drive.course_m, 15.0);
+  EXPECT_LE(drive.course_m, 30.0);
+  EXPECT_LT(drive.goal_error_m, 0.6);
+  EXPECT_LT(result.time_to_goal_s, 1.6 * drive.course_m) << "at up to 1 m/s";
+  EXPECT_EQ(0u, drive.contacts.with_things);
+}
+
+TEST(DriveTest, ItsImagesLeadARobotAsFarAsAPerfectEye) {
+  DriveSetup setup = hallWith(0, Sense::kTruth);
+  setup.robot.time_limit_s = 6.0;
+  const TrialResult truth = DriveRunner(setup).run(16);
+  setup.sense = Sense::kImages;
+  const TrialResult images = DriveRunner(setup).run(16);
+  EXPECT_EQ(0u, images.drive->contacts.with_things);
+  EXPECT_LT(images.drive->lost_s, 0.3);
+  // Both are on their way still; the images cost it no more than a metre of six.
+  EXPECT_NEAR(truth.drive->goal_error_m, images.drive->goal_error_m, 1.0);
+  EXPECT_LT(images.drive->goal_error_m, images.drive->course_m);
+}
+
+TEST(DriveTest, APerfectEyeMovesIntoNobody) {
+  for (const std::uint64_t seed : {16, 21}) {
+    DriveSetup setup = hallWith(4, Sense::kTruth);
+    setup.robot.time_limit_s = 25.0;
+    const TrialResult result = DriveRunner(setup).run(seed);
+    EXPECT_EQ(0u, result.drive->contacts.by_robot) << seed;
+    EXPECT_LT(result.min_distance_m, 1.0) << seed << ": it has met somebody";
+  }
+}
+
+TEST(DriveTest, TheSameSeedGivesTheSameDrive) {
+  for (const Sense sense : {Sense::kTruth, Sense::kImages}) {
+    DriveSetup setup = hallWith(4, sense);
+    setup.robot.time_limit_s = sense == Sense::kTruth ? 10.0 : 2.0;
+    DriveRunner runner(setup);
+    std::vector<std::string> results;
+    for (int i = 0; i < 2; ++i) {
+      std::string text;
+      const auto observer = [&](const TrialMoment& moment) {
+        text += std::to_string(moment.robot.x) + ' ' + std::to_string(moment.robot.phi) + ' ' +
+                std::to_string(moment.obstacles.size()) + '\n';
+      };
+      const TrialResult result = runner.run(5, observer);
+      const auto json = toJson(figuresOf({{nav::ObstaclePolicy::kTimeGated, {result}}}));
+      results.push_back(text + json.at("time_gated").at("drives").dump());
+    }
+    EXPECT_EQ(results[0], results[1]);
+    EXPECT_NE(results[0], "");
+  }
+}
+
+}  // namespace
+}  // namespace headway::app
