@@ -2,6 +2,8 @@
 // The robot's motion: along a lane, or from stop to stop on a site.
 #include "robot.h"
 
+#include <headway/core/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,10 +51,23 @@ Pose RobotDriver::T_world_robot() const {
   return pose;
 }
 
+void RobotDriver::follow(const Obstacle& robot) {
+  constexpr double kReach = 5.0;  // farther than it moves in a step [m]
+  const double from = followed_ ? at_.s - kReach : route_.start_s;
+  const double to = followed_ ? at_.s + kReach : route_.end_s;
+  at_.s = route_.street.project(robot.position, from, to).s;
+  at_.speed = robot.velocity.norm();
+  followed_ = robot;
+}
+
 RobotState RobotDriver::state() const {
   RobotState state;
   state.s = at_.s;
   state.speed = at_.speed;
+  if (followed_) {
+    state.obstacle = *followed_;
+    return state;
+  }
   const PathPoint place = at_.place();
   state.obstacle.id = kRobotId;
   state.obstacle.position = place.position.head<2>();
@@ -256,6 +271,10 @@ void WheeledRobot::undoStep() {
   speed_ = turn_rate_ = 0.0;
 }
 
+namespace {
+
+/// Corners, the start first, of a way between two of the robot's stops, of 15 to 30 m if there is
+/// one, else as near to that as there is.
 std::vector<Eigen::Vector2d> planCourse(const Site& site, const NavigationGrid& grid,
                                         Random& random) {
   constexpr double kMin = 15.0, kMax = 30.0;  // length of a course [m]
@@ -280,6 +299,19 @@ std::vector<Eigen::Vector2d> planCourse(const Site& site, const NavigationGrid& 
     best = std::move(course);
   }
   return best;
+}
+
+}  // namespace
+
+WheeledRobot steeredRobot(const SimParams& params, const Site& site, const NavigationGrid& grid,
+                          std::uint64_t seed) {
+  constexpr std::uint64_t kRideSeed = 503, kCourseSeed = 508;  // beside those of a site
+  WheeledRobot robot(params, site, grid, seedOf({seed, kRideSeed}));
+  Random random(seedOf({seed, kCourseSeed}));
+  const auto course = planCourse(site, grid, random);
+  if (course.empty()) throw InputError("[world] seed: no two places of this world have a way");
+  robot.takeCourse(course);
+  return robot;
 }
 
 Pose WheeledRobot::T_world_robot() const {

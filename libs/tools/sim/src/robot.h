@@ -49,6 +49,8 @@ class RobotDriver {
   void advance(double dt, const std::vector<Obstacle>& others);
   /// Takes away its speed.
   void halt() { at_.speed = 0.0; }
+  /// It is where another robot is, which is driven from outside.
+  void follow(const Obstacle& robot);
   [[nodiscard]] RobotState state() const;
   /// Robot frame (on the ground below the cameras) in the world.
   [[nodiscard]] Pose T_world_robot() const;
@@ -62,6 +64,7 @@ class RobotDriver {
   double ride_rad_;
   Random random_;
   Suspension pitch_, roll_;
+  std::optional<Obstacle> followed_;
 };
 
 /// A robot with two driven wheels: drives straight from corner to corner of its way, turns on the
@@ -132,9 +135,11 @@ class WheeledRobot {
   Suspension pitch_, roll_;
 };
 
-/// Corners, the start first, of a way between two of the robot's stops, of 15 to 30 m if there is
-/// one, else as near to that as there is.
-[[nodiscard]] std::vector<Eigen::Vector2d> planCourse(const Site& site, const NavigationGrid& grid,
-                                                      Random& random);
+/// A robot that is driven from outside, at the start of a course between two stops of the site, of
+/// 15 to 30 m if there is one, else as near to that as there is.
+///
+/// @throws InputError if no two stops have a way
+[[nodiscard]] WheeledRobot steeredRobot(const SimParams& params, const Site& site,
+                                        const NavigationGrid& grid, std::uint64_t seed);
 
 }  // namespace headway::sim

@@ -2,7 +2,6 @@
 // A hall, campus or warehouse as an environment, with the scene that is drawn of it.
 #include "site_environment.h"
 
-#include <headway/core/error.h>
 #include <headway/core/stereo_camera.h>
 
 #include <algorithm>
@@ -194,8 +193,7 @@ enum SitePurpose : std::uint64_t {
   kPeopleSeed,
   kBicycleSeed,
   kStartSeed,
-  kCourseSeed,
-  kEncounterSeed
+  kEncounterSeed = 509
 };
 
 /// Distance of a stop to the middle of the nearest drop [m].
@@ -235,17 +233,6 @@ Site makeSite(WorldParams::Kind kind, const Grain& grain, std::uint64_t seed) {
   return makeHall(grain, seed);
 }
 
-/// A robot at the start of a course.
-WheeledRobot steeredRobot(const SimParams& params, const Site& site, const NavigationGrid& grid,
-                          std::uint64_t seed) {
-  WheeledRobot robot(params, site, grid, seedOf({seed, kRobotSeed}));
-  Random random(seedOf({seed, kCourseSeed}));
-  const auto course = planCourse(site, grid, random);
-  if (course.empty()) throw InputError("[world] seed: no two places of this world have a way");
-  robot.takeCourse(course);
-  return robot;
-}
-
 }  // namespace
 
 SiteEnvironment::SiteEnvironment(const SimParams& params, Driver driver)
@@ -260,7 +247,8 @@ SiteEnvironment::SiteEnvironment(const SimParams& params, Driver driver)
       vehicles_(params.traffic, site_, robot_.obstacle(), seedOf({seed_, kVehicleSeed}), next_id_),
       walkers_(params.traffic, site_, grid_, seedOf({seed_, kPeopleSeed})) {
   walkers_.populate(robot_, next_id_);
-  if (robot_.course() && params.traffic.pedestrians > 0) walkers_.meet(robot_, seedOf({seed_, kEncounterSeed}), next_id_);
+  if (robot_.course() && params.traffic.pedestrians > 0)
+    walkers_.meet(robot_, seedOf({seed_, kEncounterSeed}), next_id_);
   Random random(seedOf({seed_, kBicycleSeed}));
   for (const Spot& spot : site_.bicycles) {
     Actor bicycle = drawActor(ActorKind::kBicycle, next_id_++, random);

@@ -16,6 +16,7 @@
 #include "furniture.h"
 #include "mesh_projection.h"
 #include "occlusion.h"
+#include "site_traffic.h"
 #include "stereo_rig.h"
 #include "street.h"
 #include "textures.h"
@@ -80,16 +81,46 @@ class StreetScene : public Scene {
   const Mesh sky_mesh_ = skyMesh(kSkyRadius);
 };
 
+/// A carriageway between kerbs as a site for a robot that is driven from outside, and the people
+/// whom it meets there.
+class Carriageway {
+ public:
+  Carriageway(const SimParams& params, const Route& route, World& world);
+
+  void advance(double dt, const std::vector<Obstacle>& vehicles) {
+    walkers_.advance(dt, robot_, vehicles);
+    robot_.advance(dt, {});
+  }
+  [[nodiscard]] WheeledRobot& robot() { return robot_; }
+  [[nodiscard]] const WheeledRobot& robot() const { return robot_; }
+  [[nodiscard]] const Walkers& walkers() const { return walkers_; }
+  [[nodiscard]] const Site& site() const { return site_; }
+
+ private:
+  Site site_;
+  NavigationGrid grid_;
+  WheeledRobot robot_;
+  Walkers walkers_;
+};
+
 /// Streets through a town, and the traffic on them.
 class StreetEnvironment : public Environment {
  public:
   /// @param camera  in whose left image the escort covers its ratio
-  StreetEnvironment(const SimParams& params, const StereoCamera& camera);
+  StreetEnvironment(const SimParams& params, const StereoCamera& camera, Driver driver);
 
-  void advance(double dt) override { traffic_.advance(dt); }
+  void advance(double dt) override;
   void observe() override { traffic_.observe(); }
-  [[nodiscard]] Pose T_world_robot() const override { return traffic_.robot().T_world_robot(); }
-  [[nodiscard]] bool arrived() const override { return traffic_.robot().arrived(); }
+  [[nodiscard]] Pose T_world_robot() const override {
+    return driven_ ? driven_->robot().T_world_robot() : traffic_.robot().T_world_robot();
+  }
+  [[nodiscard]] bool arrived() const override { return !driven_ && traffic_.robot().arrived(); }
+  [[nodiscard]] WheeledRobot* drivenRobot() override {
+    return driven_ ? &driven_->robot() : nullptr;
+  }
+  [[nodiscard]] std::vector<Footprint> things() const override {
+    return driven_ ? driven_->site().obstacles : std::vector<Footprint>();
+  }
   [[nodiscard]] double pathLength() const override { return route_.end_s - route_.start_s; }
   [[nodiscard]] std::vector<Actor> actors(double reach) override;
   [[nodiscard]] std::vector<PlacedMesh> staticMeshes(double reach) override;
@@ -99,6 +130,7 @@ class StreetEnvironment : public Environment {
   Route route_;
   World world_;
   Traffic traffic_;
+  std::unique_ptr<Carriageway> driven_;  ///< null: the robot drives itself
 };
 
 namespace {
@@ -291,8 +323,34 @@ enum TrafficPurpose : std::uint64_t {
   kStreetVehicleSeed = 301,
   kStreetPedestrianSeed,
   kStreetRobotSeed,
-  kStreetEscortSeed = 308
+  kStreetEscortSeed = 308,
+  kStreetMeetingSeed = 312
 };
+
+/// The part of a street that a robot is driven on, with stops in its lane.
+Site carriagewayOf(const Route& route, World& world) {
+  constexpr double kBefore = 20.0, kLength = 36.0;  // of the stops, with room around them [m]
+  constexpr double kKerb = 0.3, kStop = 3.0;        // width of a kerb, spacing of stops [m]
+  Site site;
+  const double begin = route.start_s - kBefore, end = route.start_s + kLength + kBefore;
+  for (double s = begin; s < end; s += 1.0) {
+    for (const double side : {1.0, -1.0}) {
+      const double left = side * (kStreet.carriageway + 0.5 * kKerb);
+      const Eigen::Vector2d place = route.street.beside(s, left).head<2>();
+      site.obstacles.push_back({place, {1.1, kKerb}, route.street.at(s).yaw});
+      site.area.extend(place);
+    }
+  }
+  const Eigen::Vector3d middle = route.street.at(route.start_s + 0.5 * kLength).position;
+  for (const Actor& car : world.parkedNear(middle, kLength + kBefore)) {
+    site.obstacles.push_back({car.position.head<2>(), car.size.head<2>(), car.yaw});
+  }
+  for (double s = route.start_s; s < route.start_s + kLength; s += kStop) {
+    site.robot_stops.push_back(route.street.beside(s, route.robot_left).head<2>());
+    site.destinations.push_back(route.street.beside(s, -route.robot_left).head<2>());
+  }
+  return site;
+}
 
 TrafficSeeds trafficSeeds(const SimParams& params) {
   const auto seed = [&](TrafficPurpose purpose) {
@@ -304,15 +362,45 @@ TrafficSeeds trafficSeeds(const SimParams& params) {
 
 }  // namespace
 
-StreetEnvironment::StreetEnvironment(const SimParams& params, const StereoCamera& camera)
+Carriageway::Carriageway(const SimParams& params, const Route& route, World& world)
+    : site_(carriagewayOf(route, world)),
+      grid_(site_),
+      robot_(steeredRobot(params, site_, grid_, static_cast<std::uint64_t>(params.world.seed))),
+      walkers_(params.traffic, site_, grid_,
+               seedOf({static_cast<std::uint64_t>(params.world.seed), kStreetMeetingSeed})) {
+  std::int64_t first_id = 1'000'000;  // beyond those of the traffic
+  if (params.traffic.pedestrians > 0)
+    walkers_.meet(robot_,
+                  seedOf({static_cast<std::uint64_t>(params.world.seed), kStreetMeetingSeed}),
+                  first_id);
+}
+
+StreetEnvironment::StreetEnvironment(const SimParams& params, const StereoCamera& camera,
+                                     Driver driver)
     : route_(makeRoute(params.route, params.world.hill_height_m)),
       world_(params.world, route_),
-      traffic_(params, route_, world_.network(), camera, trafficSeeds(params)) {}
+      traffic_(params, route_, world_.network(), camera, trafficSeeds(params)) {
+  if (driver == Driver::kItself) return;
+  driven_ = std::make_unique<Carriageway>(params, route_, world_);
+  traffic_.follow(driven_->robot().obstacle());
+}
+
+void StreetEnvironment::advance(double dt) {
+  if (driven_) {
+    traffic_.follow(driven_->robot().obstacle());
+    driven_->advance(dt, obstaclesFrom(traffic_.vehicles().actors()));
+  }
+  traffic_.advance(dt);
+}
 
 std::vector<Actor> StreetEnvironment::actors(double reach) {
   std::vector<Actor> actors = traffic_.actors();
   const auto parked = world_.parkedNear(T_world_robot().translation(), reach);
   actors.insert(actors.end(), parked.begin(), parked.end());
+  if (driven_) {
+    const auto& met = driven_->walkers().actors();
+    actors.insert(actors.end(), met.begin(), met.end());
+  }
   return actors;
 }
 
@@ -338,8 +426,14 @@ std::unique_ptr<Scene> StreetEnvironment::makeScene(const StereoCamera& camera) 
 
 std::unique_ptr<Environment> makeStreetEnvironment(const SimParams& params,
                                                    const StereoCamera& camera, Driver driver) {
-  if (driver == Driver::kCaller) throw InputError("[world] kind: streets are not driven yet");
-  return std::make_unique<StreetEnvironment>(params, camera);
+  SimParams used = params;
+  if (driver == Driver::kCaller) {
+    if (params.world.hill_height_m > 0.0) {
+      throw InputError("[world] hill_height_m: must be 0 for a robot that is driven from outside");
+    }
+    used.robot.standing = true;  // the route's own robot follows the driven one
+  }
+  return std::make_unique<StreetEnvironment>(used, camera, driver);
 }
 
 }  // namespace headway::sim

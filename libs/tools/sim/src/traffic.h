@@ -85,6 +85,8 @@ class Traffic {
           const StereoCamera& camera, const TrafficSeeds& seeds);
 
   void advance(double dt);
+  /// The robot is where another one is, which is driven from outside.
+  void follow(const Obstacle& robot) { robot_.follow(robot); }
   /// The camera takes a frame: the escort sees how much of it actors cover.
   void observe() { escort_.observe(robot_.T_world_robot(), others()); }
 
