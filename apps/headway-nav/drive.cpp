@@ -141,16 +141,17 @@ class Guide {
 
   /// The place that the robot should drive to now: as far ahead as the course is nearly straight.
   ///
-  /// Who gets on no further, because somebody stands at a corner, is let cut it more and more.
+  /// A robot that does not get on, because somebody stands at a corner, is let cut it more.
   [[nodiscard]] const Vector2d& target(const Vector2d& robot, double time_s);
   [[nodiscard]] bool isLast() const { return target_ + 1 == course_.size(); }
   /// The robot is at its target.
   void arrive() { passed_ = std::max(passed_, target_); }
 
  private:
-  static constexpr std::size_t kAhead = 4;   ///< places of the course, a metre apart
-  static constexpr double kCut_m = 0.35;     ///< corners are cut by no more: half a door's width
-  static constexpr double kCutGrowth = 0.1;  ///< of that, while it does not get on [m/s]
+  static constexpr std::size_t kAhead = 4;    ///< places of the course, a metre apart
+  static constexpr double kCut_m = 0.15;      ///< of corners: what a door leaves beside the robot
+  static constexpr double kMaxCut_m = 0.35;   ///< while it does not get on
+  static constexpr double kCutGrowth = 0.05;  ///< towards that [m/s]
 
   std::vector<Vector2d> course_;
   std::size_t passed_ = 0, target_ = 0;
@@ -163,7 +164,7 @@ const Vector2d& Guide::target(const Vector2d& robot, double time_s) {
     if ((course_[i] - robot).norm() < (course_[passed_] - robot).norm()) passed_ = i;
   }
   if (passed_ != from) passed_at_s_ = time_s;
-  const double cut = kCut_m + kCutGrowth * (time_s - passed_at_s_);
+  const double cut = std::min(kMaxCut_m, kCut_m + kCutGrowth * (time_s - passed_at_s_));
   target_ = std::min(last, passed_ + 1);
   for (std::size_t j = target_ + 1; j <= std::min(last, passed_ + kAhead); ++j) {
     const Eigen::ParametrizedLine<double, 2> line =

@@ -114,7 +114,7 @@ void Walkers::meet(const WheeledRobot& robot, std::uint64_t seed, std::int64_t& 
 std::optional<Eigen::Vector2d> Walkers::besideCourse(const Path& course, double s, bool hidden,
                                                      Random& random) const {
   constexpr int kTries = 60;
-  constexpr double kNearest = 1.2, kFarthest = 4.0;  // from the course [m]
+  constexpr double kNearest = 1.0, kFarthest = 4.0;  // from the course [m]
   constexpr double kSeenFrom = 3.0;  // the robot is so far away when it must not see them [m]
   const Eigen::Vector2d at = course.at(s).position.head<2>();
   const Eigen::Vector2d robot = course.at(std::max(0.0, s - kSeenFrom)).position.head<2>();
@@ -124,6 +124,8 @@ std::optional<Eigen::Vector2d> Walkers::besideCourse(const Path& course, double 
     const Eigen::Vector2d place = at + distance * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     const double across = std::abs(std::sin(angle - course.at(s).yaw));
     if (grid_.clearance(place) < kWalker.radius_m + 0.1) continue;
+    const auto nearest = course.project(place, 0.0, course.length());
+    if ((course.at(nearest.s).position.head<2>() - place).norm() < kNearest) continue;
     if (hidden ? !grid_.isClear(robot, place, 0.05)
                : across > 0.8 && grid_.isClear(at, place, kWalker.radius_m)) {
       return place;
@@ -155,6 +157,7 @@ std::optional<Walkers::Person> Walkers::meetingAt(Meeting kind, const Path& cour
       person.sets_off_m = s - 2.0;
       break;
     case Meeting::kOvertaking:
+      if (s < 7.0) return std::nullopt;  // the robot starts there
       person.at = at(s - 4.5, side);
       person.desired_speed_mps = 1.5;
       person.sets_off_m = s - 2.0;
@@ -217,7 +220,8 @@ void Walkers::prolongWay(Person& person, Random& random) const {
 
 Eigen::Vector2d Walkers::desiredVelocity(Person& person, double dt, const WheeledRobot& robot) {
   if (person.idle) return Eigen::Vector2d::Zero();
-  if (robot.progress() < person.sets_off_m) {
+  constexpr double kInTheWay = 1.5;  // who waits does not stop a robot so near [m]
+  if (robot.progress() < person.sets_off_m && (robot.position() - person.at).norm() > kInTheWay) {
     person.stuck_s = 0.0;
     return Eigen::Vector2d::Zero();
   }
