@@ -238,7 +238,8 @@ class Drive {
 };
 
 TrialResult Drive::run(const TrialObserver& observer) {
-  const double period_s = 1.0 / setup_.world.camera.rate_hz;
+  const double period_s =
+      1.0 / std::min(setup_.world.camera.rate_hz, setup_.robot.planning_rate_hz);
   while (time_s() < setup_.robot.time_limit_s && !result_.goal_reached) {
     clock_.set(time_s());
     base_.know(eye_->perceive(world_), world_.robot().motion);
