@@ -216,6 +216,8 @@ class Drive {
   }
   [[nodiscard]] double time_s() const { return world_.now() - start_s_; }
   void plan();
+  /// What a robot does that does not know where it is.
+  void lookBack();
   void moveOn(double period_s);
   [[nodiscard]] TrialMoment moment() const;
 
@@ -231,6 +233,8 @@ class Drive {
   Guide guide_;
   ContactCounter contacts_;
   std::shared_ptr<const TrialScene> scene_;
+  TPose2D known_;                   ///< last known pose
+  double known_at_s_ = 0.0;         ///< its time
   std::optional<Vector2d> target_;  ///< of the navigator; nullopt: it does not navigate
   TrialResult result_;
   DriveResult detail_;
@@ -261,11 +265,12 @@ void Drive::plan() {
   constexpr double kArrived_m = 1.0;  // goal radius, and drift of 2 % of 30 m
   const auto& pose = base_.knowledge().pose;
   if (!pose) {  // MRPT's navigator would end
-    base_.stop(true);
     target_.reset();
     ++result_.unsafe_steps;
-    return;
+    return lookBack();
   }
+  known_at_s_ = time_s();
+  known_ = *pose;
   const Vector2d next = guide_.target({pose->x, pose->y}, time_s());
   const double start = processorSeconds();
   if (!target_) {
@@ -285,6 +290,22 @@ void Drive::plan() {
   target_.reset();
   const double error_m = (world_.robot().position - scene_->goal).norm();
   if (guide_.isLast() && error_m < kArrived_m) result_.goal_reached = true;
+}
+
+void Drive::lookBack() {
+  constexpr double kPatience_s = 2.0;  // at rest, in which people step out of view
+  constexpr double kTurn_radps = 0.5;  // slow enough to be followed at 5 frames a second
+  if (time_s() - known_at_s_ < kPatience_s) {
+    base_.stop(true);
+    return;
+  }
+  // Towards where it would go, away from what it has turned to.
+  const Vector2d to =
+      guide_.target({known_.x, known_.y}, known_at_s_) - Vector2d(known_.x, known_.y);
+  const double turn = wrapAngle(std::atan2(to.y(), to.x()) - known_.phi);
+  CVehicleVelCmd_DiffDriven command;
+  command.ang_vel = turn < 0.0 ? -kTurn_radps : kTurn_radps;
+  base_.changeSpeeds(command);
 }
 
 void Drive::moveOn(double period_s) {

@@ -24,7 +24,8 @@ struct DriveSetup {
 /// MRPT's navigator is led along the course, as by a planner with a floor plan; around people and
 /// things it finds its own way, by the obstacles of the map that the robot has so far. There is no
 /// time between a frame and the command that follows from it. While the robot does not know where
-/// it is, it stands. Frames are taken at the camera's rate, or at that of planning if it is lower.
+/// it is, it stands for 2 s and then turns on the spot. Frames are taken at the camera's rate, or
+/// at that of planning if it is lower.
 ///
 /// Deterministic except for processor times; controls MRPT's clock during a drive.
 class DriveRunner : public Trials {
