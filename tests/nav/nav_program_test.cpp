@@ -54,9 +54,32 @@ TEST(NavProgramTest, ErrorsNameTheArgument) {
   EXPECT_EQ(runProcess(program("headway-nav") + " --policy hope").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --trials 0").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --video v --film x").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --rig robot").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --sense images").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --world hall --sense smell").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --jobs 0").status, 2);
+  const auto nowhere = runProcess(program("headway-nav") + " --world nowhere");
+  EXPECT_EQ(nowhere.status, 1);
+  EXPECT_NE(nowhere.output.find("nowhere.ini"), std::string::npos);
   const auto unknown = runProcess(program("headway-nav") + " --set nav.magic=1");
   EXPECT_EQ(unknown.status, 1);
   EXPECT_NE(unknown.output.find("magic"), std::string::npos);
+}
+
+TEST(NavProgramTest, JobsDoNotChangeTheResults) {
+  const TemporaryFolder folder;
+  std::vector<nlohmann::json> figures;
+  for (const char* jobs : {"1", "2"}) {
+    const std::string json = folder / jobs;
+    const auto run =
+        runProcess(program("headway-nav") + " --trials 3 --policy time_gated --seed 7 -q --jobs " +
+                   jobs + " --json " + json);
+    ASSERT_EQ(run.status, 0) << run.output;
+    figures.push_back(nlohmann::json::parse(contentsOf(json)).at("time_gated"));
+    for (const char* timing : {"step_us_median", "sense_us_median"}) figures.back().erase(timing);
+  }
+  EXPECT_EQ(3, figures[0].at("trials"));
+  EXPECT_EQ(figures[0], figures[1]);
 }
 
 TEST(NavProgramTest, RefusesFilesThatExist) {
