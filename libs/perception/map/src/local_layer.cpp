@@ -27,6 +27,7 @@ struct LocalEvidence {
   double hold_s = 6.0;  ///< of decay out of view, with caution 1: they pass 9 m
   double speed_mps = 1.5;
   double radius_m = 0.3;
+  int cells_of_person = 3;  ///< at least, within the radius
   double was_free_s = 2.0;  ///< before: what is blocked now has come
 };
 constexpr LocalEvidence kLocal;
@@ -245,7 +246,7 @@ void LocalLayer::add(Time time, const Pose& T_odom_robot, const GroundScan& scan
 void LocalLayer::enter(const Frame& frame, Time time, double weight) {
   const auto now_s = static_cast<float>(time - start_);
   const Vector2d robot = T_odom_robot_.translation().head<2>();
-  std::vector<Intruder> come;
+  std::vector<Intruder> come, seen;
   const int first_x = static_cast<int>(std::floor((robot.x() - reach_m_) / cell_m_));
   const int first_y = static_cast<int>(std::floor((robot.y() - reach_m_) / cell_m_));
   for (int y = first_y; y < first_y + size_; ++y) {
@@ -265,13 +266,32 @@ void LocalLayer::enter(const Frame& frame, Time time, double weight) {
       cell.seen_s = now_s;
       if (odds <= -kLocal.known) cell.free_s = now_s;
       if (evidence.hits > 0.0F) cell.hit_s = now_s;
-      const bool has_come = odds >= kLocal.known && now_s - cell.free_s < kLocal.was_free_s;
-      if (!has_come) continue;
-      dropSeenAgain(place, time);
-      if (isAtEdgeOfView(place)) come.push_back({place, time});
+      const bool has_come =
+          odds >= kLocal.known && now_s - cell.free_s < kLocal.was_free_s && !isAtStanding(place);
+      if (has_come) come.push_back({place, time});
     }
   }
-  intruders_.insert(intruders_.end(), come.begin(), come.end());
+  for (const Intruder& one : come) {
+    const auto near = std::count_if(come.begin(), come.end(), [&](const Intruder& other) {
+      return (one.place - other.place).norm() < kLocal.radius_m;
+    });
+    if (near < kLocal.cells_of_person) continue;  // an error of matching is narrower
+    dropSeenAgain(one.place, time);
+    if (isAtEdgeOfView(one.place)) seen.push_back(one);
+  }
+  intruders_.insert(intruders_.end(), seen.begin(), seen.end());
+}
+
+/// Whether the place is at the edge of what has been blocked for long, which noise moves.
+bool LocalLayer::isAtStanding(const Vector2d& place) const {
+  const double now_s = time_ - start_;
+  for (int i = 0; i < 25; ++i) {
+    const Cell* cell = find(place + cell_m_ * Vector2d(i % 5 - 2, i / 5 - 2));
+    const bool stands =
+        cell != nullptr && cell->odds >= kLocal.known && now_s - cell->free_s >= kLocal.was_free_s;
+    if (stands) return true;
+  }
+  return false;
 }
 
 /// What was at the edge of the view and is in it now has not left it.

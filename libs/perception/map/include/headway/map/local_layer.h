@@ -88,6 +88,7 @@ class LocalLayer {
   }
   [[nodiscard]] bool isInView(const Eigen::Vector2d& place) const;
   [[nodiscard]] bool isGap(const Eigen::Vector2d& place, Time now) const;
+  [[nodiscard]] bool isAtStanding(const Eigen::Vector2d& place) const;
   [[nodiscard]] bool isAtEdgeOfView(const Eigen::Vector2d& place) const;
   [[nodiscard]] double oddsOf(const Cell& cell, bool in_view, Time now, double hold_s) const;
   [[nodiscard]] bool mayBeEntered(const Eigen::Vector2d& place, Time now, double caution) const;
