@@ -21,6 +21,7 @@ struct LocalEvidence {
   double most_per_frame = 2.0;  ///< matching errors are alike in a whole frame
   double most = 3.0;            ///< so that one frame can say that ground is free no more
   double known = 1.0;           ///< odds of 2.7 to 1
+  double gap_ratio = 1.5;       ///< of the camera's height: a gap that ground scans bridge, too
   int free_round_gap = 5;       ///< of the eight cells round one that no column met
   double in_view_s = 0.5;       ///< of decay: two frames at 5 Hz may be missed
   // Of people who walk fast.
@@ -190,6 +191,7 @@ std::vector<Vector2d> LocalLayer::blocked(Time now, double caution) const {
 /// A gap between the robot and the ground that is seen first, as far as nothing stands in it.
 void LocalLayer::addStrip(const Vector2d& from, const Vector2d& to, Frame& frame) const {
   const double length = (to - from).norm(), step = 0.5 * cell_m_;
+  if (length > kLocal.gap_ratio * camera_->T_robot_cam.translation().z()) return;
   Vector2d clear = to;
   for (double back = 0.0; back < length; back += step) {
     const Vector2d place = to + back / length * (from - to);
@@ -308,12 +310,16 @@ void LocalLayer::standAt(const Pose& T_odom_robot) {
   if (footprint_.empty()) return;
   const double step = 0.5 * cell_m_;
   const auto now_s = static_cast<float>(time_ - start_);
-  for (double dx = -0.5 * footprint_.length_m; dx <= 0.5 * footprint_.length_m; dx += step) {
-    for (double dy = -0.5 * footprint_.width_m; dy <= 0.5 * footprint_.width_m; dy += step) {
-      const Eigen::Vector3d place = T_odom_robot * Eigen::Vector3d(dx, dy, 0.0);
-      const int x = static_cast<int>(std::floor(place.x() / cell_m_));
-      const int y = static_cast<int>(std::floor(place.y() / cell_m_));
-      cells_[indexOf(x, y)] = {x, y, static_cast<float>(-kLocal.most), now_s, now_s, -1.0e9F};
+  const double length = footprint_.length_m, width = footprint_.width_m;
+  for (double x = 0.0; x < length + step; x += step) {
+    for (double y = 0.0; y < width + step; y += step) {
+      const Eigen::Vector3d at(std::min(x, length) - 0.5 * length, std::min(y, width) - 0.5 * width,
+                               0.0);
+      const Eigen::Vector3d place = T_odom_robot * at;
+      const int column = static_cast<int>(std::floor(place.x() / cell_m_));
+      const int row = static_cast<int>(std::floor(place.y() / cell_m_));
+      cells_[indexOf(column, row)] = {column, row,   static_cast<float>(-kLocal.most),
+                                      now_s,  now_s, -1.0e9F};
     }
   }
 }

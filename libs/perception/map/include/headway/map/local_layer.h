@@ -33,8 +33,8 @@ enum class LocalState {
 /// walks, until it is seen again or that time has passed.
 ///
 /// Stereo and depth cameras make ground free, lasers never do (see GroundScan). The strip between
-/// the robot and the nearest visible ground counts as seen with that ground, unless something
-/// stands in it or may have entered it.
+/// the robot and the nearest visible ground, up to 1.5 times the camera's height, counts as seen
+/// with that ground, unless something stands in it or may have entered it.
 ///
 /// @see  Thrun, Burgard & Fox 2005, "Probabilistic Robotics", ch. 9 (occupancy by log odds)
 class LocalLayer {
