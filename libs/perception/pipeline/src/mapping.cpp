@@ -373,7 +373,7 @@ void Mapping::updateLocal(const FrameState& state, StageTimes& times) {
   const bool is_adrift = !state.camera.is_motion_seen && !state.motion_prior.T_previous_current;
   if (is_adrift) local_ = localFor(rig_, grid_params_);
   GroundScan scan;
-  const int step = columnStep(*local_, *state.context);
+  const int step = state.scans_local ? columnStep(*local_, *state.context) : 1;
   if (state.scans_local && state.context->ground()) {
     scan = detect::scanGround(state.context->disparity(), *camera_, *state.context->ground(), {},
                               grid_params_.scan, step);

@@ -100,9 +100,9 @@ void GridParams::describe(Params::Section section) {
                      "Period of the ground scans, and of the depth scans of the dense map; greater "
                      "is faster; 0: neither grid nor dense map");
   section.renamed("every_nth_frame", "period_s", secondsOfFrames);
-  section.user().add("local", local,
-                     "Scan each frame for what is blocked and free around the robot now; not used "
-                     "by headway-replay, unless live");
+  section.add("local", local,
+              "Scan each frame for what is blocked and free around the robot now; not used by "
+              "headway-replay, unless live");
   scan.describe(section);
   map.describe(section);
 }
