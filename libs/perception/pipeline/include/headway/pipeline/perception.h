@@ -5,19 +5,12 @@
 #include <headway/core/log.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/stage_times.h>
-#include <headway/core/track.h>
 #include <headway/map/map_file.h>
-#include <headway/map/perception_map.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/pipeline/perception_update.h>
-#include <headway/slam/stereo_slam.h>
 #include <headway/stereo/rig_capability.h>
 
-#include <cstddef>
 #include <functional>
-#include <limits>
-#include <optional>
-#include <vector>
 
 namespace headway::pipeline {
 
@@ -32,15 +25,6 @@ struct PerceptionCallbacks {
   /// After keyframes, landmarks, grid or dense points have changed: the map, which is cheap to
   /// copy.
   std::function<void(const map::PerceptionMap&)> on_map;
-};
-
-/// Parameters that may change at run time, between two frames. All others are fixed.
-struct RuntimeParams {
-  double detect_period_s = 0.0;     ///< detect.period_s, >= 0 [s]
-  double grid_period_s = 0.3;       ///< grid.period_s, >= 0; 0 pauses the grid [s]
-  double recorded_timeout_s = 2.0;  ///< detect.recorded_timeout_s, > 0 [s]
-  /// Distance beyond which boxes are not tracked, but counted as "load_shed", > 0 [m].
-  double max_box_range_m = std::numeric_limits<double>::infinity();
 };
 
 struct JointMap;

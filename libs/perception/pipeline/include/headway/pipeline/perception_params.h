@@ -10,6 +10,7 @@
 #include <headway/objects/objects_params.h>
 #include <headway/slam/slam_params.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,15 @@ struct PerceptionParams {
   /// [laser] and [robot].
   void describe(Params& params);
   void validate() const;  ///< @throws InputError
+};
+
+/// Parameters that may change at run time, between two frames. All others are fixed.
+struct RuntimeParams {
+  double detect_period_s = 0.0;     ///< detect.period_s, >= 0 [s]
+  double grid_period_s = 0.3;       ///< grid.period_s, >= 0; 0 pauses the grid [s]
+  double recorded_timeout_s = 2.0;  ///< detect.recorded_timeout_s, > 0 [s]
+  /// Distance beyond which boxes are not tracked, but counted as "load_shed", > 0 [m].
+  double max_box_range_m = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace headway::pipeline
