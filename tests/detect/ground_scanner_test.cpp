@@ -171,6 +171,55 @@ TEST(ScanGroundTest, WhatIsAsHighAsAnObstacleIsOneBehindAnObstacle) {
   EXPECT_FALSE(isFree(scan, 10.0, 0.0));
 }
 
+/// The same as blocks of 14 px would match it.
+stereo::DisparityImage matched(stereo::DisparityImage image) {
+  image.block_px = 14;
+  return image;
+}
+
+TEST(ScanGroundTest, WhatIsNarrowerThanAMatchedBlockIsAWrongMatch) {
+  // 14 px at 8 m are 0.31 m.
+  EXPECT_EQ(obstaclesBetween(scanOf(matched(imageOf({{8.0, -0.05, 0.05, 0.0, 1.0}}))), 7.0, 9.0),
+            0);
+  EXPECT_GT(obstaclesBetween(scanOf(matched(imageOf({{8.0, -0.2, 0.2, 0.0, 1.0}}))), 7.0, 9.0), 5);
+  EXPECT_FALSE(isFree(scanOf(matched(imageOf({{8.0, -0.05, 0.05, 0.0, 1.0}}))), 8.2, 0.0))
+      << "but not free ground";
+}
+
+TEST(ScanGroundTest, WhatHangsInTheAirIsAsWideAsAPerson) {
+  // At 3 m, a block is 0.12 m wide.
+  EXPECT_EQ(obstaclesBetween(scanOf(matched(imageOf({{3.0, -0.05, 0.05, 0.5, 1.5}}))), 2.5, 3.5),
+            0);
+  EXPECT_GT(obstaclesBetween(scanOf(matched(imageOf({{3.0, -0.2, 0.2, 0.5, 1.5}}))), 2.5, 3.5), 10);
+  EXPECT_GT(obstaclesBetween(scanOf(matched(imageOf({{3.0, -0.07, 0.07, 0.0, 1.5}}))), 2.5, 3.5), 3)
+      << "a post";
+}
+
+TEST(ScanGroundTest, TheUpperEdgeOfABlockIsNoHeight) {
+  // At 6 m, half a block is 0.12 m: what seems 0.35 m high may be 0.23 m.
+  const auto low = scanOf(matched(imageOf({{6.0, -1.0, 1.0, 0.0, 0.35}})));
+  EXPECT_EQ(obstaclesBetween(low, 5.5, 6.5), 0);
+  EXPECT_FALSE(isFree(low, 6.2, 0.0)) << "nor is it free ground";
+  EXPECT_GT(obstaclesBetween(scanOf(imageOf({{6.0, -1.0, 1.0, 0.0, 0.35}})), 5.5, 6.5), 30);
+  EXPECT_GT(obstaclesBetween(scanOf(matched(imageOf({{6.0, -1.0, 1.0, 0.0, 0.5}}))), 5.5, 6.5), 30);
+}
+
+TEST(ScanGroundTest, TheDistanceOfAnObstacleIsTheMiddleOfItsNoise) {
+  stereo::DisparityImage image = matched(imageOf({{6.0, -1.0, 1.0, 0.0, 1.5}}));
+  cv::RNG random(1);
+  for (auto& d : cv::Mat_<float>(image.values)) d += static_cast<float>(random.gaussian(0.25));
+  const auto scan = scanOf(image);
+  const double sigma = 0.4 * 36.0 / (360.0 * 0.54);
+  int near = 0, all = 0;
+  for (const auto& obstacle : scan.obstacles) {
+    if (std::abs(obstacle.foot.y()) > 0.9 || obstacle.foot.x() > 7.0F) continue;
+    ++all;
+    near += std::abs(obstacle.foot.x() - 6.0) < sigma ? 1 : 0;
+  }
+  EXPECT_GT(all, 40);
+  EXPECT_GT(near, 0.95 * all);
+}
+
 TEST(ScanGroundTest, ADropEndsFreeGround) {
   const auto pit = [](double z) { return z < 8.0 || z > 12.0 ? 0.0 : -1.0; };
   const auto scan = scanOf(imageOf({}, 0.0, pit));

@@ -101,6 +101,18 @@ TEST(StaticGridTest, RaysFreeTheCellsBeforeTheirEndOnly) {
   EXPECT_GT(grid->getPos(1.1f, 0.1f), 0.55f) << "the robot's own way, which no ray reaches";
 }
 
+TEST(StaticGridTest, ACellThatMayHoldAPartOfASurfaceIsNotFree) {
+  GroundScan scan;
+  scan.free.push_back({{1.0F, 0.1F, 0.0F}, {5.15F, 0.1F, 0.0F}});
+  scan.obstacles.push_back({{5.21F, 0.1F, 0.0F}, 0.05F});
+  StaticGrid grid({});
+  grid.add(Pose::Identity(), scan);
+  const auto cells = grid.grid();
+  EXPECT_LT(cells->getPos(5.3F, 0.1F), 0.4F);
+  EXPECT_FLOAT_EQ(cells->getPos(5.1F, 0.1F), COccupancyGridMap2D::l2p(0)) << "its ground is seen";
+  EXPECT_GT(cells->getPos(4.9F, 0.1F), 0.55F);
+}
+
 /// Free cells of a strip between two places that the robot did not drive.
 int freeBetween(const StaticGrid& grid, const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   const auto cells = grid.grid();

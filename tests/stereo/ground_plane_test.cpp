@@ -53,6 +53,37 @@ TEST(FindGroundTest, AWallIsNoGround) {
   EXPECT_FALSE(findGround(wall, camera, std::nullopt));
 }
 
+/// Disparities of level ground as a robot's camera sees it, `step` higher from a depth on.
+DisparityImage twoLevels(const StereoCamera& camera, double height, double from, double step) {
+  DisparityImage image = street(camera, height, 0.0);
+  const double fb = camera.fx * camera.baseline_m;
+  for (int row = 0; row < image.values.rows; ++row) {
+    const double y = (image.pixelOf(row) - camera.cy) / camera.fy;
+    const double beyond = y > 0.0 ? (height - step) / y : 30.0;
+    if (beyond < 30.0 && beyond >= from) image.values.row(row).setTo(fb / beyond);
+  }
+  return image;
+}
+
+TEST(FindGroundTest, IsTheLevelThatTheRobotStandsOnNotATiltedPlaneThroughTwo) {
+  auto camera = streetCamera();
+  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, 0.5) * robotFromOptical();
+  for (const double step : {-0.1, 0.1}) {
+    const auto ground = findGround(twoLevels(camera, 0.5, 4.0, step), camera, std::nullopt);
+    ASSERT_TRUE(ground);
+    EXPECT_NEAR(ground->camera_height, 0.5, 0.01) << step;
+    EXPECT_NEAR(ground->up.z(), 0.0, 0.008) << step;
+  }
+}
+
+TEST(FindGroundTest, IsTheRampAheadWhereThatIsAllThatIsSeen) {
+  auto camera = streetCamera();
+  camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, 0.5) * robotFromOptical();
+  const auto ground = findGround(street(camera, 0.5, 0.1), camera, std::nullopt);
+  ASSERT_TRUE(ground);
+  EXPECT_NEAR(ground->up.z(), -std::sin(0.1), 0.01);
+}
+
 /// The rig of a camera mounted level above the ground.
 RigCapability rigAt(double height) {
   auto camera = streetCamera();

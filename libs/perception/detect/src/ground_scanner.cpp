@@ -31,6 +31,7 @@ constexpr double kMaxSlope = 0.12;       // of a ramp
 constexpr double kDepth = 0.25;          // "one distance" [m]
 constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
 constexpr double kDistinctSigmas = 2.0;  // between depths of one obstacle that are kept apart
+constexpr double kHangingWidth = 0.2;    // of what is seen without its foot: a person is wider [m]
 constexpr double kBeyondReach = 1.3;     // of the reach: an obstacle up to here ends a column
 constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that would hide it
 // Ground without texture is free where it is shorter than this. A drop as long could not be told
@@ -66,11 +67,12 @@ class ColumnScanner {
   /// @param left_out  nonzero where cells of the disparity image are not used
   void scan(int column, const cv::Mat& left_out, GroundScan& scan) {
     read(column, left_out);
-    const auto obstacles = obstacleDepths();
+    columns_.push_back({column, obstacles()});
     const auto drop = findDrop();
     double free_to = drop ? std::min(params_.reach_m, drop->from) : params_.reach_m;
-    if (!obstacles.empty()) {
-      free_to = std::min(free_to, obstacles.front() - sigmaAt(obstacles.front()));
+    if (!columns_.back().obstacles.empty()) {
+      const double nearest = fb_ / columns_.back().obstacles.front().disparity;
+      free_to = std::min(free_to, nearest - sigmaAt(nearest));
     }
     for (const auto& piece : freeBefore(free_to)) {
       scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
@@ -82,9 +84,21 @@ class ColumnScanner {
         scan.obstacles.push_back({placeAt(column, drop->from), sigma});
       }
     }
-    for (const double depth : obstacles) {
-      if (depth > obstacles_to_m_ || sigmaAt(depth) > params_.max_error_m) break;
-      scan.obstacles.push_back({placeAt(column, depth), static_cast<float>(sigmaAt(depth))});
+  }
+
+  /// Adds the obstacles of all columns scanned, of which others agree.
+  /// @param step  from one column to the next
+  void addObstacles(int step, GroundScan& scan) const {
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      for (const auto& obstacle : columns_[i].obstacles) {
+        const double nearest = fb_ / obstacle.disparity;
+        if (nearest > obstacles_to_m_ || sigmaAt(nearest) > params_.max_error_m) break;
+        const auto disparity = agreed(i, obstacle, step);
+        if (!disparity || !obstacle.is_certain) continue;
+        const double depth = fb_ / *disparity;
+        scan.obstacles.push_back(
+            {placeAt(columns_[i].column, depth), static_cast<float>(sigmaAt(depth))});
+      }
     }
   }
 
@@ -98,6 +112,16 @@ class ColumnScanner {
   struct Surface {
     double depth;
     double height;
+  };
+  /// What stands at one distance of a column.
+  struct Obstacle {
+    double disparity;  ///< [px]
+    bool hangs;        ///< its lowest matched point is as high as an obstacle
+    bool is_certain;   ///< false: may be too low; ends free ground, but is not entered
+  };
+  struct Column {
+    int column;
+    std::vector<Obstacle> obstacles;  ///< the nearest first
   };
   /// Depths between which the ground of a column is free [m].
   struct Interval {
@@ -133,33 +157,72 @@ class ColumnScanner {
               [](const Surface& a, const Surface& b) { return a.depth < b.depth; });
   }
 
-  /// Depths of what the robot can drive neither over nor under, in ascending order [m].
+  /// What the robot can drive neither over nor under, the nearest first.
   ///
   /// The nearest stands upright or is higher than a ramp could be, such as the top of a table.
   /// Behind it, whatever is as high as an obstacle is one: it could only be reached through the
   /// nearest.
-  [[nodiscard]] std::vector<double> obstacleDepths() const {
-    std::vector<double> depths;
+  [[nodiscard]] std::vector<Obstacle> obstacles() {
+    std::vector<Obstacle> found;
     std::size_t last = 0;
     for (std::size_t first = 0; first < raised_.size();) {
       const double d = raised_[first].disparity;
       const double depth = fb_ / d;
       const double farthest = d - std::max(kDisparity, d * kDepth / (depth + kDepth));
       while (last < raised_.size() && raised_[last].disparity >= farthest) ++last;
-      if (isUpright(first, last, fb_ / farthest - depth) ||
-          isElevated(first, last, !depths.empty())) {
-        addDepths(first, last, depths);
+      const auto stands = [&](double edge) {
+        return isUpright(first, last, fb_ / farthest - depth, edge) ||
+               isElevated(first, last, !found.empty(), edge);
+      };
+      if (stands(0.0)) {
+        addSurfaces(first, last, stands(edgeAt(depth)), found);
         first = last;
       } else {
         ++first;
       }
     }
-    return depths;
+    return found;
+  }
+
+  /// The median disparity of an obstacle in the columns around its own; nullopt unless most have
+  /// it.
+  ///
+  /// A matched block gives its own width to whatever it sees, so that narrower strips are wrong
+  /// matches, of stripes for instance, which seem to hang in the air before their wall: what is
+  /// seen without a foot must be as wide as a person.
+  [[nodiscard]] std::optional<double> agreed(std::size_t index, const Obstacle& obstacle,
+                                             int step) const {
+    if (disparity_.block_px == 0) return obstacle.disparity;
+    const double width_px =
+        obstacle.hangs ? std::max<double>(disparity_.block_px,
+                                          kHangingWidth * camera_.fx * obstacle.disparity / fb_)
+                       : disparity_.block_px;
+    const auto half = static_cast<std::size_t>(0.5 * width_px / (disparity_.reduce * step));
+    std::vector<double> around;
+    for (std::size_t i = index - std::min(index, half);
+         i <= std::min(columns_.size() - 1, index + half); ++i) {
+      const auto closest =
+          std::min_element(columns_[i].obstacles.begin(), columns_[i].obstacles.end(),
+                           [&](const Obstacle& a, const Obstacle& b) {
+                             return std::abs(a.disparity - obstacle.disparity) <
+                                    std::abs(b.disparity - obstacle.disparity);
+                           });
+      if (closest == columns_[i].obstacles.end()) continue;
+      if (std::abs(closest->disparity - obstacle.disparity) < kDisparity) {
+        around.push_back(closest->disparity);
+      }
+    }
+    if (around.size() <= half) return std::nullopt;
+    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+    std::nth_element(around.begin(), middle, around.end());
+    return *middle;
   }
 
   /// Whether points at one distance stand.
   /// @param extent  of that distance [m]
-  [[nodiscard]] bool isUpright(std::size_t first, std::size_t last, double extent) const {
+  /// @param edge    by which they may seem too high [m]
+  [[nodiscard]] bool isUpright(std::size_t first, std::size_t last, double extent,
+                               double edge) const {
     const double depth = fb_ / raised_[first].disparity;
     const double rows =
         kUprightRatio * params_.min_obstacle_height_m * camera_.fy / disparity_.reduce / depth;
@@ -167,18 +230,17 @@ class ColumnScanner {
       return false;
     }
     double top = 0.0;
-    double bottom = params_.max_obstacle_height_m;
-    for (std::size_t i = first; i < last; ++i) {
-      top = std::max(top, raised_[i].height);
-      bottom = std::min(bottom, raised_[i].height);
-    }
+    for (std::size_t i = first; i < last; ++i) top = std::max(top, raised_[i].height);
+    top -= edge;
+    const double bottom = lowest(first, last);
     const double rise = std::max(kMinRiseRatio * params_.min_obstacle_height_m, kMaxSlope * extent);
     return top >= params_.min_obstacle_height_m && top - bottom >= rise;
   }
 
   /// Whether points at one distance have at least a height: enough rows, or behind an obstacle as
   /// many as a horizontal surface would show.
-  [[nodiscard]] bool isElevated(std::size_t first, std::size_t last, bool behind) const {
+  [[nodiscard]] bool isElevated(std::size_t first, std::size_t last, bool behind,
+                                double edge) const {
     const double near = raised_[first].disparity / fb_;
     const double ramp = behind ? 0.0 : kMaxSlope / near;
     const double height = std::max(ramp, params_.min_obstacle_height_m);
@@ -186,27 +248,44 @@ class ColumnScanner {
     const double below = std::abs(ground_.camera_height - height);
     const double horizontal = camera_.fy / disparity_.reduce * below * (near - far);
     int rows = 0;
-    for (std::size_t i = first; i < last; ++i) rows += raised_[i].height >= height ? 1 : 0;
+    for (std::size_t i = first; i < last; ++i) rows += raised_[i].height >= height + edge ? 1 : 0;
     const double needed =
         behind ? std::clamp(kMatchedRatio * horizontal, 1.0, 1.0 * kMinRows) : kMinRows;
     return rows >= needed;
   }
 
-  /// Appends the means of the points at one distance, apart where they differ significantly.
-  void addDepths(std::size_t first, std::size_t last, std::vector<double>& depths) const {
-    const double step = kDistinctSigmas * params_.sigma_disparity_px;
-    const std::size_t before = depths.size();
+  /// By how much a surface seems higher than it is: half a block above its edge, a block still has
+  /// its disparity [m].
+  [[nodiscard]] double edgeAt(double depth) const {
+    return 0.5 * disparity_.block_px * depth / camera_.fy;
+  }
+
+  [[nodiscard]] double lowest(std::size_t first, std::size_t last) const {
+    double height = params_.max_obstacle_height_m;
+    for (std::size_t i = first; i < last; ++i) height = std::min(height, raised_[i].height);
+    return height;
+  }
+
+  /// Appends the medians of the points at one distance, apart where they differ significantly.
+  void addSurfaces(std::size_t first, std::size_t last, bool is_certain,
+                   std::vector<Obstacle>& found) const {
+    const double apart = kDistinctSigmas * params_.sigma_disparity_px;
+    const bool hangs = lowest(first, last) > params_.min_obstacle_height_m;
+    const std::size_t before = found.size();
+    const auto endOf = [&](std::size_t from, double least) {
+      while (from < last && raised_[from].disparity >= least) ++from;
+      return from;
+    };
     for (std::size_t i = first; i < last;) {
-      double sum = 0.0;
-      std::size_t end = i;
-      for (; end < last && raised_[i].disparity - raised_[end].disparity < step; ++end) {
-        sum += raised_[end].disparity;
-      }
-      const auto rows = static_cast<double>(end - i);
-      if (rows >= kMinRows) depths.push_back(fb_ * rows / sum);
+      const std::size_t window = endOf(i, raised_[i].disparity - 2.0 * apart);
+      const double median = raised_[i + (window - i) / 2].disparity;
+      const std::size_t end = std::max(endOf(i, median - apart), i + 1);
+      if (end - i >= kMinRows) found.push_back({median, hangs, is_certain});
       i = end;
     }
-    if (depths.size() == before) depths.push_back(fb_ / raised_[(first + last) / 2].disparity);
+    if (found.size() == before) {
+      found.push_back({raised_[(first + last) / 2].disparity, hangs, is_certain});
+    }
   }
 
   /// The nearest drop.
@@ -302,6 +381,7 @@ class ColumnScanner {
   std::vector<Raised> raised_;
   std::vector<Surface> seen_ground_;
   std::vector<Surface> below_;
+  std::vector<Column> columns_;  ///< those scanned
 };
 
 }  // namespace
@@ -368,6 +448,7 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamer
   for (int column = 0; column < disparity.values.cols; column += step) {
     scanner.scan(column, left_out, scan);
   }
+  scanner.addObstacles(step, scan);
   return scan;
 }
 

@@ -43,7 +43,8 @@ class EvidenceGrid::Window {
   /// @param scan  must outlive the window
   Window(const GroundScan& scan, const Pose& T_map_robot, const RobotFootprint& footprint,
          double resolution)
-      : resolution_(resolution), scan_(scan) {
+      : resolution_(resolution), scan_(scan), from_(T_map_robot.translation().head<2>()) {
+    bounds_.extend(from_);
     addPlacesUnder(footprint, T_map_robot);
     free_ = segments(scan.free, T_map_robot);
     passed_ = segments(scan.laser_passed, T_map_robot);
@@ -153,12 +154,18 @@ class EvidenceGrid::Window {
 
   void hit(const Eigen::Vector2d& foot, const GroundScan::Obstacle& obstacle) {
     const double certainty = resolution_ / static_cast<double>(obstacle.sigma_m);
+    // A cell that may hold a part of the surface is not free, however much ground it shows.
+    const Eigen::Vector2d way = from_ - foot;
+    const double uncertain = 0.5 * resolution_ + static_cast<double>(obstacle.sigma_m);
+    auto& before = evidence[at(foot + std::min(1.0, uncertain / way.norm()) * way)];
+    before = std::max<std::int8_t>(before, 0);
     auto& cell = evidence[at(foot)];
     cell = std::max(cell, evidenceOf(std::clamp(kHit * certainty, kMinHit, kHit)));
   }
 
   double resolution_;
   const GroundScan& scan_;
+  Eigen::Vector2d from_;        ///< the robot
   Eigen::AlignedBox2d bounds_;  ///< of all that follows [m]
   std::vector<Eigen::Vector2d> under_;
   std::vector<Segment> free_, passed_;

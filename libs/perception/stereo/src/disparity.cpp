@@ -45,14 +45,19 @@ void dropMatchesOutside(DisparityImage& disparity) {
   }
 }
 
+int blockSide(const DisparityParams& params) {
+  const bool is_semi_global = params.method == DisparityParams::Method::kSemiGlobal;
+  return is_semi_global ? std::min(params.block_px | 1, 5) : params.block_px | 1;
+}
+
 cv::Ptr<cv::StereoMatcher> makeMatcher(const DisparityParams& params, int range) {
   if (params.method == DisparityParams::Method::kSemiGlobal) {
-    const int side = std::min(params.block_px | 1, 5);
+    const int side = blockSide(params);
     auto matcher = cv::StereoSGBM::create(0, range, side, 8 * side * side, 32 * side * side);
     matcher->setUniquenessRatio(params.uniqueness_percent);
     return matcher;
   }
-  auto matcher = blockMatcher(range, params.block_px);
+  auto matcher = blockMatcher(range, blockSide(params));
   matcher->setUniquenessRatio(params.uniqueness_percent);
   return matcher;
 }
@@ -146,6 +151,7 @@ DisparityImage denseDisparity(const StereoFrame& frame, const DisparityParams& p
   if (!frame.disparity.empty()) return givenDisparities(frame, params);
   DisparityImage result;
   result.reduce = params.reduce;
+  result.block_px = params.reduce * blockSide(params);
   const cv::Mat left = reducedImage(frame.left, params.reduce);
   const cv::Mat right = reducedImage(frame.right, params.reduce);
   const int range = searchRange(*frame.camera, params, left.cols);

@@ -25,6 +25,11 @@ struct PlaneSearch {
   double min_height_m = 0.2;       ///< of the camera, unless it is mounted lower
   double max_height_m = 4.0;
   double min_ratio = 0.15;  ///< of the points that must lie on the plane
+  // A robot stands on the ground that it sees: where a kerb parts two levels, a tilted plane
+  // through both has most points. By how much wheels, springs and slopes move the plane before the
+  // camera:
+  double sigma_tilt = 0.02;    ///< [rad]
+  double sigma_height = 0.04;  ///< of the mounted height
 };
 constexpr PlaneSearch kSearch;
 constexpr double kRoughness = 0.01;     ///< of the ground [m]
@@ -48,13 +53,15 @@ struct SearchLimits {
       : expected(groundPlane(rig, mountedUp(camera), 0.0)) {
     near_m = rig.nearest_m;
     far_m = rig.ground_to_m;
-    if (rig.camera_height_known)
+    if (rig.camera_height_known) {
+      expected.camera_height = rig.camera_height_m;
       min_height_m = std::min(kSearch.min_height_m, 0.5 * rig.camera_height_m);
+    }
     const double scale = std::min(1.0, far_m / 25.0);
     min_area_m2 = 0.2 * scale * scale;
     from_row_px = camera.cy;
   }
-  GroundPlane expected;                        ///< as the camera is mounted, height aside
+  GroundPlane expected;                        ///< as the camera is mounted; height 0: not known
   double near_m;                               ///< minimum depth of points of the ground
   double far_m;                                ///< maximum depth of points of the ground
   double min_height_m = kSearch.min_height_m;  ///< of the camera above the ground
@@ -63,6 +70,7 @@ struct SearchLimits {
   double min_tilt_cosine = kSearch.min_tilt_cosine;
   double from_row_px;
   int step = kSearch.step;
+  bool trusts_mounting = true;
 };
 
 Points pointsOf(const DisparityImage& disparity, const StereoCamera& camera,
@@ -88,7 +96,7 @@ bool plausible(const GroundPlane& plane, const SearchLimits& limits) {
 }
 
 // Points on the plane, less those below it, since nothing is visible below the ground.
-double score(const GroundPlane& plane, const Points& points) {
+double support(const GroundPlane& plane, const Points& points) {
   double total = 0.0;
   for (const auto& point : points) {
     const double height = plane.heightOf(point);
@@ -97,6 +105,22 @@ double score(const GroundPlane& plane, const Points& points) {
     if (height < -2.0 * tolerance) total -= 1.0;
   }
   return total;
+}
+
+// How likely a plane is by the camera's mounting, 0 to 1, with the tails of slopes and ramps
+// (Cauchy).
+double prior(const GroundPlane& plane, const GroundPlane& expected) {
+  const double tilt = std::acos(std::min(1.0, plane.up.dot(expected.up))) / kSearch.sigma_tilt;
+  const double height =
+      expected.camera_height > 0.0
+          ? (plane.camera_height / expected.camera_height - 1.0) / kSearch.sigma_height
+          : 0.0;
+  return 1.0 / (1.0 + tilt * tilt + height * height);
+}
+
+double score(const GroundPlane& plane, const Points& points, const SearchLimits& limits) {
+  const double weight = limits.trusts_mounting ? prior(plane, limits.expected) : 1.0;
+  return weight * support(plane, points);
 }
 
 GroundPlane planeThrough(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
@@ -115,8 +139,11 @@ GroundPlane refined(GroundPlane plane, const Points& points, const SearchLimits&
     double count = 0.0;
     for (const auto& point : points) {
       const double tolerance = plane.tolerance(point.z());
-      if (std::abs(plane.heightOf(point)) > tolerance) continue;
-      const double weight = 1.0 / (tolerance * tolerance);
+      const double deviation = plane.heightOf(point) / tolerance;
+      if (std::abs(deviation) > 1.0) continue;
+      // Tukey's weight: what is hardly within the tolerance may be another level.
+      const double trust = 1.0 - deviation * deviation;
+      const double weight = trust * trust / (tolerance * tolerance);
       mean += weight * point;
       squares += weight * point * point.transpose();
       count += weight;
@@ -163,7 +190,7 @@ GroundPlane sampledPlane(const Points& points, const SearchLimits& limits, int t
     if (normal.norm() < limits.min_area_m2) continue;
     const auto plane = planeThrough(a, normal, limits.expected);
     if (!plausible(plane, limits)) continue;
-    const double plane_score = score(plane, points);
+    const double plane_score = score(plane, points, limits);
     if (plane_score <= best_score) continue;
     best = plane;
     best_score = plane_score;
@@ -179,14 +206,17 @@ std::optional<GroundPlane> findGround(const DisparityImage& disparity, const Ste
   const Points points = pointsOf(disparity, camera, limits);
   if (points.size() < 50) return std::nullopt;
   const GroundPlane first = previous.value_or(limits.expected);
-  double best_score = previous ? score(first, points) : 0.0;
+  double best_score = previous ? score(first, points, limits) : 0.0;
   const GroundPlane best = sampledPlane(points, limits, kSearch.trials, first, best_score);
-  if (best_score < kSearch.min_ratio * static_cast<double>(points.size())) return std::nullopt;
+  if (support(best, points) < kSearch.min_ratio * static_cast<double>(points.size())) {
+    return std::nullopt;
+  }
   return refined(best, points, limits);
 }
 
 std::optional<GroundPlane> findFloor(const DisparityImage& disparity, const StereoCamera& camera) {
   SearchLimits limits(camera, rigCapability(camera));
+  limits.trusts_mounting = false;
   limits.near_m = 0.0;
   limits.min_height_m = 0.0;
   limits.max_height_m = limits.far_m;

@@ -38,6 +38,9 @@ struct DisparityParams {
 struct DisparityImage {
   cv::Mat values;  ///< 32-bit float, [px] of the full image; 0 where there is none
   int reduce = 1;  ///< pixels of the full image to one cell, each way
+  /// Side of the blocks that were matched, by half of which edges may be displaced; 0: of a depth
+  /// camera [px of the full image]
+  int block_px = 0;
 
   [[nodiscard]] bool empty() const { return values.empty(); }
   /// Full-image coordinate of a cell's centre (its column or its row) [px].
