@@ -206,14 +206,14 @@ TEST_P(ParameterEndsTest, AllAtOneEndRunOrAreRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Street, ParameterEndsTest,
-                         testing::Values("slam", "detect", "disparity", "stereo_motion", "hog",
-                                         "objects", "grid", "dense", "laser", "robot"),
+                         testing::Values("camera", "slam", "detect", "disparity", "stereo_motion",
+                                         "hog", "objects", "grid", "dense", "laser", "robot"),
                          [](const auto& section) { return std::string(section.param); });
 
 TEST(ParameterRangesTest, AllHaveARangeThatIsTested) {
-  const std::vector<std::string> sections = {"slam",  "detect", "disparity", "stereo_motion",
-                                             "hog",   "dnn",    "objects",   "grid",
-                                             "dense", "laser",  "robot"};
+  const std::vector<std::string> sections = {"camera",        "slam",  "detect", "disparity",
+                                             "stereo_motion", "hog",   "dnn",    "objects",
+                                             "grid",          "dense", "laser",  "robot"};
   std::size_t tested = 0;
   for (const auto& range : ranges()) {
     EXPECT_NE(sections.end(), std::find(sections.begin(), sections.end(), range.section));

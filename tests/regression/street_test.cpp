@@ -54,6 +54,28 @@ TEST(StreetTest, MovingObjectsAreTrackedAndPredicted) {
   EXPECT_EQ(run.summary.at("tracks_moving"), moving.size());
 }
 
+/// Objects are where they are in whole images, in pixels of those.
+TEST(StreetTest, ImagesOfHalfTheSizeLoseNoFrame) {
+  const test::TemporaryFolder folder;
+  const auto half = test::replay(kStreet, folder / "out", "--snapshots 0 --set camera.scale=0.5");
+  ASSERT_EQ(0, half.process.status) << half.process.output;
+  EXPECT_EQ(0, half.summary.at("frames_lost"));
+  EXPECT_LT(test::ateRmse(io::readTum(kTruth + "/trajectory.tum"),
+                          io::readTum(half.file("trajectory.tum"))),
+            0.06)
+      << "measured: 0.038 m";
+  EXPECT_EQ(test::contentsOf(streetRun().file("calibration.yaml")),
+            test::contentsOf(half.file("calibration.yaml")));
+  const auto farthestRight = [](const test::ReplayRun& run) {
+    double right = 0.0;
+    for (const auto& row : io::readKittiRows(run.file("tracks_kitti.txt"))) {
+      right = std::max(right, row.box2d.right);
+    }
+    return right;
+  };
+  EXPECT_NEAR(farthestRight(streetRun()), farthestRight(half), 20.0);
+}
+
 TEST(StreetTest, EveryTrackHasOneScore) {
   std::map<std::int64_t, std::set<double>> scores;
   for (const auto& row : io::readKittiRows(streetRun().file("tracks_kitti.txt"))) {

@@ -7,6 +7,7 @@
 #include <headway/pipeline/perception_update.h>
 
 #include "detection_stage.h"
+#include "image_scale.h"
 
 namespace headway::pipeline {
 
@@ -29,12 +30,14 @@ struct PreviousFrame {
 
 /// All that is known about one frame. Made once, each stage adds its result.
 struct FrameState {
-  FrameState(const RecordedFrame& recorded, const PreviousFrame& before, const FrameRate& frames)
-      : frame(recorded), previous(before), rate(frames) {}
+  FrameState(const RecordedFrame& recorded, const PreviousFrame& before, const FrameRate& frames,
+             const ImageScale& of_images = {})
+      : frame(recorded), previous(before), rate(frames), scale(of_images) {}
 
   const RecordedFrame& frame;
   const PreviousFrame& previous;
-  const FrameRate& rate;  ///< with this frame
+  const FrameRate& rate;   ///< with this frame
+  const ImageScale scale;  ///< of its images; all boxes here are in their pixels
   ClockStep clock = ClockStep::kAhead;
   std::vector<TrackSample> ended;   ///< of tracks that ended because the clock was set back
   MotionPrior motion_prior;         ///< since the frame before, without what counts from another

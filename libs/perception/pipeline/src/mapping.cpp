@@ -262,7 +262,8 @@ void Mapping::update(const FrameState& state, StageTimes& times) {
       grid_.followMore(kScansMovedPerFrame);
     }
     const Pose& T_map_odom = state.camera.T_map_odom;
-    update(state.frame.time, transformed(state.objects.tracks, T_map_odom), T_map_odom);
+    const auto tracks = state.scale.enlarged(state.objects.tracks);
+    update(state.frame.time, transformed(tracks, T_map_odom), T_map_odom);
   }
   updateLocal(state, times);
   updateGrid(state, times);
@@ -472,7 +473,6 @@ map::StoredMap Mapping::stored() const {
   map::StoredMap stored;
   stored.map = map_;
   if (const auto grid = grid_.grid()) stored.map.update(grid);
-  if (camera_ != nullptr) stored.camera = *camera_;
   return stored;
 }
 

@@ -183,8 +183,8 @@ class Perception::Implementation {
     const auto watch = times.watch("frame");
     const auto mounting = localisation.isResumed() ? std::nullopt : health.replacedMounting();
     if (mounting) remount(*mounting);
-    const std::optional<RecordedFrame> moved = remounted(recorded);
-    const RecordedFrame& frame = moved ? *moved : recorded;
+    const std::optional<RecordedFrame> reduced = inside(recorded);
+    const RecordedFrame& frame = reduced ? *reduced : recorded;
     const map::PerceptionMap map_before = mapping.map();
     applyChange();
     FrameState state = begin(frame);
@@ -223,11 +223,12 @@ class Perception::Implementation {
 
   /// The camera is mounted otherwise than was assumed: map and odometry move, tracks end.
   void remount(const Pose& T_robot_cam) {
-    auto found = std::make_shared<StereoCamera>(*camera);
+    auto found = std::make_shared<StereoCamera>(*given);
     found->T_robot_cam = T_robot_cam;
     T_robot_assumed_ = normalized(Pose(T_robot_cam * camera->T_robot_cam.inverse(Eigen::Isometry) *
                                        T_robot_assumed_.value_or(Pose::Identity())));
-    camera = std::move(found);
+    given = std::move(found);
+    camera = scale.reduced(given);
     health.remount(camera);
     localisation.remount(camera);
     detection.remount(camera);
@@ -237,7 +238,9 @@ class Perception::Implementation {
   }
 
   PerceptionParams params;
-  std::shared_ptr<const StereoCamera> camera;  ///< null if only poses and boxes are given
+  std::shared_ptr<const StereoCamera> given;   ///< of the input; null if it has no images
+  ImageScale scale;                            ///< of the images inside
+  std::shared_ptr<const StereoCamera> camera;  ///< of those
   InputHealth health;
   Localisation localisation;
   DetectionStage detection;
@@ -259,7 +262,7 @@ class Perception::Implementation {
           " contains a pose, which is not in the frame of the loaded map; use a rawlog "
           "without label 'pose'");
     }
-    if (frame.stereo && camera != nullptr) stereo::requireImages(*frame.stereo, *camera);
+    if (frame.stereo && given != nullptr) stereo::requireImages(*frame.stereo, *given);
   }
 
   void applyChange() {
@@ -274,7 +277,7 @@ class Perception::Implementation {
   [[nodiscard]] FrameState begin(const RecordedFrame& frame) {
     rate_.add(frame.time);
     mapping.setRate(rate_.hz());
-    FrameState state(frame, previous_, rate_);
+    FrameState state(frame, previous_, rate_, scale);
     state.ended = std::exchange(ended_, {});
     state.clock = clockStep(frame, previous_);
     if (state.clock == ClockStep::kSetBack) {
@@ -305,11 +308,14 @@ class Perception::Implementation {
     previous_.motion = {};
   }
 
-  /// What the camera and the inertial sensor in it see of the robot, as the robot is mounted under
-  /// them; wheels and lasers are of a robot that stands on the floor. nullopt: nothing changes.
-  [[nodiscard]] std::optional<RecordedFrame> remounted(const RecordedFrame& recorded) const {
-    if (!T_robot_assumed_) return std::nullopt;
-    RecordedFrame frame = recorded;
+  /// The frame with reduced images; and what the camera and the inertial sensor in it see of the
+  /// robot, as the robot is mounted under them: wheels and lasers are of a robot that stands on the
+  /// floor. nullopt: nothing changes.
+  [[nodiscard]] std::optional<RecordedFrame> inside(const RecordedFrame& recorded) const {
+    if (!T_robot_assumed_ && scale.isOne()) return std::nullopt;
+    RecordedFrame frame = scale.reduced(recorded);
+    if (frame.stereo) frame.stereo->camera = camera;
+    if (!T_robot_assumed_) return frame;
     if (frame.detections) {
       frame.detections->T_robot_sensor = *T_robot_assumed_ * frame.detections->T_robot_sensor;
     }
@@ -392,10 +398,10 @@ class Perception::Implementation {
     update.frame = state.frame.index;
     update.time = state.frame.time;
     update.camera = std::move(state.camera);
-    update.detections = std::move(state.found.fused);
+    if (state.found.fused) update.detections = scale.enlarged(std::move(*state.found.fused));
     update.objects = std::move(state.objects);
-    update.tracks_odom =
-        std::exchange(update.objects.tracks, mapping.map().movingObjects().tracks());
+    update.tracks_odom = scale.enlarged(
+        std::exchange(update.objects.tracks, mapping.map().movingObjects().tracks()));
     odometry.moveIntoMap(update.objects.finalised);
     update.findings = std::move(state.findings);
     if (callbacks.on_tracks) callbacks.on_tracks(update.time, update.objects.tracks);
@@ -450,10 +456,12 @@ static objects::ObjectsParams withinReach(const PerceptionParams& params,
 }
 
 Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> rig,
-                                           const PerceptionParams& given, map::PerceptionMap map)
-    : params(given),
-      camera(std::move(rig)),
-      health(camera, validated(params).slam.max_speed_mps, params.detection.detect.disparity),
+                                           const PerceptionParams& all, map::PerceptionMap map)
+    : params(all),
+      given(std::move(rig)),
+      scale(given.get(), validated(params).camera.scale),
+      camera(scale.reduced(given)),
+      health(camera, params.slam.max_speed_mps, params.detection.detect.disparity),
       localisation(camera, params),
       detection(camera, params.detection),
       tracker(withinReach(params, camera.get())),
@@ -487,6 +495,7 @@ void Perception::resume(const map::StoredMap& stored) {
 
 map::StoredMap Perception::stored() const {
   map::StoredMap stored = implementation_->mapping.stored();
+  if (implementation_->given != nullptr) stored.camera = *implementation_->given;
   if (const auto* slam = implementation_->localisation.slam()) {
     stored.made_attachments[map::kSlamAttachment] = slam->snapshot();
     implementation_->mapping.attachScans(stored);
@@ -503,7 +512,7 @@ void Perception::finish() {
   mapping.finish(implementation_->times);
 }
 
-std::shared_ptr<const StereoCamera> Perception::camera() const { return implementation_->camera; }
+std::shared_ptr<const StereoCamera> Perception::camera() const { return implementation_->given; }
 
 const std::optional<stereo::RigCapability>& Perception::rig() const {
   return implementation_->mapping.rig();
@@ -626,7 +635,7 @@ std::vector<JointMap> joinMaps(const std::vector<Perception*>& perceptions) {
       grid.add(runs[run_of[member->run]]->mapping.grid(), member->keyframe_shift);
       dense.add(runs[run_of[member->run]]->mapping.dense().map(), member->keyframe_shift);
     }
-    map.stored.camera = *first.camera;
+    map.stored.camera = *first.given;
     map.stored.map.update(std::move(joint.view));
     if (const auto cells = grid.grid()) map.stored.map.update(cells);
     if (const auto points = dense.layer()) map.stored.map.update(points);

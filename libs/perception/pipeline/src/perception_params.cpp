@@ -95,6 +95,13 @@ std::string modelInUse(const DetectionParams& params) {
 
 bool wouldUseModel(const DetectionParams& params) { return params.detector == kAuto; }
 
+void CameraParams::describe(Params::Section section) {
+  section.add(
+      "scale", scale, 0.25, 1.0, "",
+      "Size of the images inside by that of the input; 0.5 takes half the time and sees half "
+      "as far; a map is continued at its own scale only");
+}
+
 void GridParams::describe(Params::Section section) {
   section.user().add("period_s", period_s, 0.0, 100.0, "s",
                      "Period of the ground scans, and of the depth scans of the dense map; greater "
@@ -124,6 +131,7 @@ PerceptionParams PerceptionParams::live(PerceptionParams params) {
 }
 
 void PerceptionParams::describe(Params& params) {
+  camera.describe(params.section("camera"));
   slam.describe(params.section("slam"));
   detection.describe(params);
   objects.describe(params.section("objects"));
@@ -134,6 +142,7 @@ void PerceptionParams::describe(Params& params) {
 }
 
 void PerceptionParams::validate() const {
+  camera.validate();
   slam.validate();
   detection.validate();
   objects.validate();

@@ -67,8 +67,17 @@ struct LaserParams {
   void validate() const { validateRanges(*this, "laser"); }  ///< @throws InputError
 };
 
+/// Size of the images that are processed. Section [camera].
+struct CameraParams {
+  double scale = 1.0;  ///< of images inside the pipeline; results are in pixels of the input
+
+  void describe(Params::Section section);
+  void validate() const { validateRanges(*this, "camera"); }  ///< @throws InputError
+};
+
 /// Parameters of the whole pipeline.
 struct PerceptionParams {
+  CameraParams camera;
   slam::SlamParams slam;
   DetectionParams detection;
   objects::ObjectsParams objects;
@@ -84,8 +93,8 @@ struct PerceptionParams {
   /// The same with other parameters.
   [[nodiscard]] static PerceptionParams live(PerceptionParams params);
 
-  /// Binds sections [slam], [detect] with those of the detectors, [objects], [grid], [dense],
-  /// [laser] and [robot].
+  /// Binds sections [camera], [slam], [detect] with those of the detectors, [objects], [grid],
+  /// [dense], [laser] and [robot].
   void describe(Params& params);
   void validate() const;  ///< @throws InputError
 };
