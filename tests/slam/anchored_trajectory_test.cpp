@@ -65,6 +65,40 @@ TEST_F(AnchoredTrajectoryTest, FramesFollowTheScaleOfTheirKeyframes) {
   EXPECT_NEAR(frames[1].T_map_robot.translation().x(), 0.4, 1e-12);
 }
 
+TEST_F(AnchoredTrajectoryTest, FramesBeforeAKeyframeFollowItsAdjustmentByTime) {
+  AnchoredTrajectory trajectory(100);
+  const KeyframeId older = map_.addKeyframe(0, 0.0, poseAlong(0.0)).id;
+  const KeyframeId before = map_.addKeyframe(1, 0.1, poseAlong(0.1)).id;
+  trajectory.add(0, 0.0, true, poseAlong(0.0), older, map_);
+  for (const int i : {1, 2, 3, 4}) {
+    trajectory.add(static_cast<std::size_t>(i), 0.1 * i, true, poseAlong(0.1 * i), before, map_);
+  }
+  const Pose T_before_map = poseAlong(0.1).inverse();
+  const Pose tracked = T_before_map * poseAlong(0.5);
+  trajectory.followAdjustment(before, tracked, T_before_map * poseAlong(0.9), 0.5);
+  const auto frames = all(trajectory);
+  ASSERT_EQ(frames.size(), 5U);
+  for (int i = 0; i < 5; ++i) {
+    const double moved = i < 2 ? 0.0 : 0.1 * (i - 1);  // up to 0.4 at the keyframe
+    const auto& at = frames[static_cast<std::size_t>(i)].T_map_robot;
+    EXPECT_NEAR(at.translation().x(), 0.1 * i + moved, 2e-3) << i;
+    EXPECT_NEAR(logSo3(at.linear()).y(), 0.01 * (0.1 * i + moved), 1e-5) << i;
+  }
+}
+
+TEST_F(AnchoredTrajectoryTest, AFrameThatStoodLongBeforeDoesNotFollow) {
+  AnchoredTrajectory trajectory(100);
+  const KeyframeId before = map_.addKeyframe(0, 0.0, Pose::Identity()).id;
+  for (const double time : {0.0, 8.5, 9.0}) {
+    trajectory.add(0, time, true, Pose::Identity(), before, map_);
+  }
+  trajectory.followAdjustment(before, Pose::Identity(), poseAlong(0.3), 10.0);
+  const auto frames = all(trajectory);
+  EXPECT_EQ(frames[0].T_map_robot.translation().x(), 0.0);
+  EXPECT_EQ(frames[1].T_map_robot.translation().x(), 0.0);
+  EXPECT_NEAR(frames[2].T_map_robot.translation().x(), 0.1, 1e-9);
+}
+
 TEST_F(AnchoredTrajectoryTest, FramesFollowTheCorrectionOfTheMap) {
   for (const std::size_t in_memory : {10U, 5000U}) {
     map_ = SparseMap();

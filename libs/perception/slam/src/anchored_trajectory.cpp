@@ -3,6 +3,7 @@
 // them.
 #include "anchored_trajectory.h"
 
+#include <iterator>
 #include <utility>
 
 namespace headway::slam {
@@ -38,6 +39,26 @@ void AnchoredTrajectory::reassign(KeyframeId from, KeyframeId to, const SparseMa
     anchored.T_reference_cam = stored(T_to_from * poseFrom(anchored.T_reference_cam));
   }
   if (frames_.filed() > 0) moved_.append({from, to, stored(T_to_from)});
+}
+
+void AnchoredTrajectory::followAdjustment(KeyframeId from, const Pose& tracked,
+                                          const Pose& adjusted, Time time) {
+  constexpr double kRamp_s = 2.0;  ///< of a robot that stood, and moves again at the end of it
+  auto& frames = frames_.recent();
+  auto first = frames.end();
+  while (first != frames.begin() && std::prev(first)->reference == from &&
+         time - std::prev(first)->time <= kRamp_s) {
+    --first;
+  }
+  if (first == frames.end() || !(time > first->time)) return;
+  const Pose change = adjusted * tracked.inverse(Eigen::Isometry);
+  const Eigen::Vector3d turn = logSo3(change.linear());
+  for (auto at = first; at != frames.end(); ++at) {
+    const double ratio = (at->time - first->time) / (time - first->time);
+    Pose part(expSo3(ratio * turn));
+    part.translation() = ratio * change.translation();
+    at->T_reference_cam = stored(part * poseFrom(at->T_reference_cam));
+  }
 }
 
 void AnchoredTrajectory::scale(const std::map<KeyframeId, double>& ratios) {

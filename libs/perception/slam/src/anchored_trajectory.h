@@ -49,6 +49,13 @@ class AnchoredTrajectory {
   /// Anchors the frames of one keyframe to another; both must still be in the map.
   void reassign(KeyframeId from, KeyframeId to, const SparseMap& map);
 
+  /// A keyframe was adjusted when it was made: the frames since the last one, anchored to `from`,
+  /// follow in proportion to time, for 2 s at most, so that the path has no step at the new one.
+  ///
+  /// @param tracked, adjusted  the new keyframe's pose in `from`, before and after
+  /// @param time               of the new keyframe [s]
+  void followAdjustment(KeyframeId from, const Pose& tracked, const Pose& adjusted, Time time);
+
   /// Scales the way from each keyframe to its frames, after the map got another scale. Frames that
   /// are in the file keep theirs.
   ///

@@ -510,8 +510,14 @@ class StereoSlam::Implementation {
   /// Inserts the frame as a keyframe, closes loops, and removes redundant keyframes.
   void makeKeyframe(const TrackingFrame& current, TrackedPose& tracked, SlamUpdate& update) {
     update.is_keyframe = true;
+    const auto in_reference = [&](const Pose& T_map_cam) {
+      return Pose(map_.keyframe(*reference_).T_map_cam.inverse(Eigen::Isometry) * T_map_cam);
+    };
+    const Pose as_tracked = in_reference(tracked.T_map_cam);
     const KeyframeId id =
         mapper_.insert(current, tracked.T_map_cam, covariance_, submap(), tracked.landmarks, map_);
+    trajectory_.followAdjustment(*reference_, as_tracked, in_reference(map_.keyframe(id).T_map_cam),
+                                 current.time);
     loops_.index(id, map_);
     if (params_.loop_closing) update.loops = loops_.closeOrSearch(current, id, map_);
     motion_.correct(map_.keyframe(id).T_map_cam);
