@@ -10,6 +10,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "manoeuvre.h"
+
 namespace headway::app {
 namespace {
 
@@ -194,6 +196,7 @@ class Drive {
             [this] { return world_.now(); }),
         navigator_(obstacles_, setup.robot),
         guide_(world_.course()),
+        manoeuvre_(size_),
         contacts_(size_) {
     obstacles_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
     auto scene = std::make_shared<TrialScene>();
@@ -216,6 +219,8 @@ class Drive {
   }
   [[nodiscard]] double time_s() const { return world_.now() - start_s_; }
   void plan();
+  /// Does what the navigator cannot. @return  whether something was to be done
+  bool manoeuvres(const Vector2d& next);
   /// What a robot does that does not know where it is.
   void lookBack();
   void moveOn(double period_s);
@@ -231,6 +236,8 @@ class Drive {
   WatchedObstacles obstacles_;
   Navigator navigator_;
   Guide guide_;
+  Manoeuvre manoeuvre_;
+  CSimplePointsMap sensed_;  ///< during a manoeuvre
   ContactCounter contacts_;
   std::shared_ptr<const TrialScene> scene_;
   TPose2D known_;                   ///< last known pose
@@ -279,7 +286,7 @@ void Drive::plan() {
     navigator_.driveTo(next);
   }
   target_ = next;
-  navigator_.navigationStep();
+  if (!manoeuvres(next)) navigator_.navigationStep();
   result_.step_us.push_back(1e6 * (processorSeconds() - start));
   result_.sense_us.push_back(obstacles_.senseTime_us());
   if (obstacles_.lastReport().status != nav::SenseStatus::kSafe) ++result_.unsafe_steps;
@@ -290,6 +297,19 @@ void Drive::plan() {
   target_.reset();
   const double error_m = (world_.robot().position - scene_->goal).norm();
   if (guide_.isLast() && error_m < kArrived_m) result_.goal_reached = true;
+}
+
+bool Drive::manoeuvres(const Vector2d& next) {
+  if (!manoeuvre_.isDue(time_s(), known_, next)) return false;
+  mrpt::system::TTimeStamp timestamp;
+  if (!obstacles_.senseObstacles(sensed_, timestamp)) return false;
+  const auto motion = manoeuvre_.command(sensed_);
+  if (!motion) return false;
+  CVehicleVelCmd_DiffDriven command;
+  command.lin_vel = motion->speed;
+  command.ang_vel = motion->turn_rate;
+  obstacles_.changeSpeeds(command);
+  return true;
 }
 
 void Drive::lookBack() {

@@ -30,7 +30,7 @@ struct DriveSetup {
 /// Deterministic except for processor times; controls MRPT's clock during a drive.
 class DriveRunner : public Trials {
  public:
-  explicit DriveRunner(const DriveSetup& setup) : setup_(setup) {}
+  explicit DriveRunner(const DriveSetup& setup) : setup_(setup) { setup_.robot.reverses = false; }
 
   [[nodiscard]] TrialResult run(std::uint64_t seed, const TrialObserver& observer = {}) override;
 

@@ -5,6 +5,7 @@
 #include <headway/core/error.h>
 #include <headway/core/mrpt_compat.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -37,6 +38,11 @@ namespace {
 
 constexpr const char* kHolonomicMethod = "CHolonomicFullEval";
 
+// Free lengths of paths, which MRPT takes as ratios of the planning distance [m].
+constexpr double kTooClose_m = 0.2;  // shorter paths are not taken: as near as a door lets pass
+constexpr double kStop_m = 0.07;     // on shorter ones it stops: cells of MRPT's tables are 0.05 m
+constexpr double kSlow_m = 1.5;      // on shorter ones it slows down: twice what it brakes in
+
 /// Settings that do not depend on the robot.
 constexpr const char* kMethod = R"(
 [CAbstractNavigator]
@@ -54,7 +60,7 @@ multitarget_look_ahead = 0
 [CHolonomicFullEval]
 factorWeights = [0.25, 0.1, 1, 0.05, 0.5, 1, 1)" HEADWAY_MRPT_EIGHTH_FACTOR R"(]
 factorNormalizeOrNot = [0, 0, 0, 0, 1, 1, 0)" HEADWAY_MRPT_EIGHTH_FACTOR R"(]
-TOO_CLOSE_OBSTACLE = 0.15
+TOO_CLOSE_OBSTACLE = ${TOO_CLOSE}
 TARGET_SLOW_APPROACHING_DISTANCE = 0.1
 OBSTACLE_SLOW_DOWN_DISTANCE = 0.15
 HYSTERESIS_SECTOR_COUNT = 5
@@ -125,15 +131,17 @@ class ScratchFolder {
 
 mrpt::config::CConfigFileMemory configuration(const RobotParams& robot) {
   std::ostringstream out;
-  out << "@define REACH " << robot.planning_reach_m << '\n' << kMethod;
+  const double reach = robot.planning_reach_m;
+  out << "@define REACH " << reach << "\n@define TOO_CLOSE " << kTooClose_m / reach << '\n'
+      << kMethod;
   out << "[CAbstractPTGBasedReactive]\n"
       << "robotMax_V_mps = " << robot.max_speed_mps << '\n'
       << "robotMax_W_degps = " << robot.max_turn_dps << '\n'
       << "holonomic_method = " << kHolonomicMethod << '\n'
       << "motion_decider_method = CMultiObjMotionOpt_Scalarization\n"
       << "ref_distance = ${REACH}\n"
-      << "secure_distance_start = 0.05\n"
-      << "secure_distance_end = 0.15\n"
+      << "secure_distance_start = " << kStop_m / reach << '\n'
+      << "secure_distance_end = " << std::min(1.0, kSlow_m / reach) << '\n'
       << "use_delays_model = false\n"
       << "max_distance_predicted_actual_path = 0.15\n"
       << "min_normalized_free_space_for_ptg_continuation = 0.2\n"
@@ -142,11 +150,11 @@ mrpt::config::CConfigFileMemory configuration(const RobotParams& robot) {
       << "[CReactiveNavigationSystem]\n"
       << "min_obstacles_height = 0\n"
       << "max_obstacles_height = 10\n"
-      << "PTG_COUNT = 3\n";
+      << "PTG_COUNT = " << (robot.reverses ? 3 : 2) << '\n';
   writePaths(out, 0, robot, "C", "PTG0_K = 1.0\nPTG0_score_priority = 1.0\n");
   writePaths(out, 1, robot, "alpha",
              "PTG1_cte_a0v_deg = 57\nPTG1_cte_a0w_deg = 57\nPTG1_score_priority = 1.0\n");
-  writePaths(out, 2, robot, "C", "PTG2_K = -1.0\nPTG2_score_priority = 0.5\n");
+  if (robot.reverses) writePaths(out, 2, robot, "C", "PTG2_K = -1.0\nPTG2_score_priority = 0.5\n");
   const double x = 0.5 * robot.length_m + robot.margin_m;
   const double y = 0.5 * robot.width_m + robot.margin_m;
   out << "RobotModel_shape2D_xs = " << -x << ' ' << x << ' ' << x << ' ' << -x << '\n'

@@ -24,6 +24,7 @@ struct RobotParams {
 
   double length_m = 0.5;
   double width_m = 0.4;
+  bool reverses = true;         ///< plans ways backwards, where its camera does not look
   double margin_m = 0.0;        ///< that the navigator adds around the robot [m]
   double max_speed_mps = 1.0;   ///< [m/s]
   double max_turn_dps = 120.0;  ///< [deg/s]

@@ -58,6 +58,14 @@ TEST(SpeedGovernorTest, StopsBeforeAPersonOnItsPath) {
   EXPECT_LE(speedRatioAmong({walkingTrack(1, {0.9, 0.0}, {0.0, 0.05}, 0.1)}), 0.2);
 }
 
+TEST(SpeedGovernorTest, DoesNotTurnWhileSomebodyWalksIntoIt) {
+  SpeedGovernor governor(params());
+  GroundState robot;  // at rest
+  const Track track = walkingTrack(1, {1.2, 0.0}, {-1.2, 0.0}, 0.05);
+  EXPECT_EQ(governor.speedRatio({0.0, 0.0, 1.0}, robot, {track}, 0.0), 0.0);
+  EXPECT_EQ(governor.speedRatio({0.0, 0.0, 1.0}, robot, {}, 0.0), 1.0);
+}
+
 TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
   Track track = walkingTrack(1, {1.5, -1.5}, {0.0, 1.0}, 0.1);
   track.predictions.push_back(walkingTrack(1, {1.5, -1.5}, {0.0, -1.0}, 0.1).predictions.front());

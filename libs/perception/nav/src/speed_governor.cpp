@@ -161,7 +161,8 @@ double SpeedGovernor::contactProbability(const Future& future) const {
     const double sigma = std::sqrt(kMinSigma_m * kMinSigma_m +
                                    std::max(0.0, towards.dot(future.variances[i] * towards)));
     const bool stands = std::abs(robot.twist.forward) < kStandstill_mps &&
-                        std::abs(robot.twist.sideways) < kStandstill_mps;
+                        std::abs(robot.twist.sideways) < kStandstill_mps &&
+                        std::abs(robot.twist.turn) * half.norm() < kStandstill_mps;
     const double weight =
         (stands ? params_.governor.standing_ratio : 1.0) *
         std::exp(-static_cast<double>(i + 1) * kStep_s / params_.governor.patience_s);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "manoeuvre.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace headway::app {
+namespace {
+
+using Eigen::Vector2d;
+using mrpt::maps::CSimplePointsMap;
+using mrpt::math::TPose2D;
+
+const Vector2d kRobotSize(0.5, 0.4);
+
+CSimplePointsMap pointsAt(const std::vector<Vector2d>& places) {
+  CSimplePointsMap points;
+  for (const Vector2d& place : places) {
+    points.insertPoint(static_cast<float>(place.x()), static_cast<float>(place.y()), 0.4F);
+  }
+  return points;
+}
+
+TEST(ManoeuvreTest, TurnsOnTheSpotToATargetBehind) {
+  Manoeuvre manoeuvre(kRobotSize);
+  EXPECT_FALSE(manoeuvre.isDue(0.0, {}, {4.0, 1.0})) << "the navigator's arcs lead there";
+  ASSERT_TRUE(manoeuvre.isDue(0.1, {}, {-4.0, -1.0}));
+  const auto motion = manoeuvre.command(pointsAt({{0.6, 0.0}}));
+  ASSERT_TRUE(motion);
+  EXPECT_EQ(0.0, motion->speed);
+  EXPECT_LT(motion->turn_rate, 0.0) << "the shorter way round";
+  EXPECT_FALSE(manoeuvre.command(pointsAt({{0.0, 0.25}}))) << "a corner would touch it";
+}
+
+TEST(ManoeuvreTest, TurnsUntilTheTargetIsAhead) {
+  Manoeuvre manoeuvre(kRobotSize);
+  EXPECT_TRUE(manoeuvre.isDue(0.0, {0.0, 0.0, 1.2}, {4.0, 0.0}));
+  EXPECT_TRUE(manoeuvre.isDue(0.5, {0.0, 0.0, 0.8}, {4.0, 0.0}));
+  EXPECT_FALSE(manoeuvre.isDue(1.0, {0.0, 0.0, 0.2}, {4.0, 0.0}));
+  EXPECT_FALSE(manoeuvre.isDue(1.5, {0.0, 0.0, 0.8}, {4.0, 0.0}));
+}
+
+TEST(ManoeuvreTest, LeavesWhatItTouchesAfterItHasStood) {
+  Manoeuvre manoeuvre(kRobotSize);
+  // Somebody's elbow at a front corner, a wall ahead: no arc of the navigator begins there.
+  const auto obstacles = pointsAt({{0.26, -0.2}, {0.4, 0.1}, {0.4, 0.0}, {0.4, -0.1}});
+  const TPose2D here;
+  EXPECT_FALSE(manoeuvre.isDue(0.0, here, {4.0, 0.0}));
+  EXPECT_FALSE(manoeuvre.isDue(2.5, here, {4.0, 0.0}));
+  ASSERT_TRUE(manoeuvre.isDue(3.5, here, {4.0, 0.0}));
+  const auto motion = manoeuvre.command(obstacles);
+  ASSERT_TRUE(motion);
+  EXPECT_LT(motion->speed, 0.0) << "only backwards there is room";
+  ASSERT_TRUE(manoeuvre.isDue(4.0, here, {4.0, 0.0})) << "for a second";
+  EXPECT_TRUE(manoeuvre.command(obstacles));
+  EXPECT_FALSE(manoeuvre.command(pointsAt({{-0.29, 0.0}})))
+      << "somebody has come behind it meanwhile";
+}
+
+}  // namespace
+}  // namespace headway::app
