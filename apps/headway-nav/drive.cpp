@@ -10,6 +10,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "guide.h"
 #include "manoeuvre.h"
 
 namespace headway::app {
@@ -136,50 +137,6 @@ void DrivenBase::addGrid(const mrpt::maps::COccupancyGridMap2D& grid,
   }
 }
 
-/// Leads the navigator along a course: from one place ahead of the robot to the next.
-class Guide {
- public:
-  explicit Guide(std::vector<Vector2d> course) : course_(std::move(course)) {}
-
-  /// The place that the robot should drive to now: as far ahead as the course is nearly straight.
-  ///
-  /// A robot that does not get on, because somebody stands at a corner, is let cut it more.
-  [[nodiscard]] const Vector2d& target(const Vector2d& robot, double time_s);
-  [[nodiscard]] bool isLast() const { return target_ + 1 == course_.size(); }
-  /// The robot is at its target.
-  void arrive() { passed_ = std::max(passed_, target_); }
-
- private:
-  static constexpr std::size_t kAhead = 4;    ///< places of the course, a metre apart
-  static constexpr double kCut_m = 0.15;      ///< of corners: what a door leaves beside the robot
-  static constexpr double kMaxCut_m = 0.35;   ///< while it does not get on
-  static constexpr double kCutGrowth = 0.05;  ///< towards that [m/s]
-
-  std::vector<Vector2d> course_;
-  std::size_t passed_ = 0, target_ = 0;
-  double passed_at_s_ = 0.0;
-};
-
-const Vector2d& Guide::target(const Vector2d& robot, double time_s) {
-  const std::size_t last = course_.size() - 1, from = passed_;
-  for (std::size_t i = from; i <= std::min(last, from + kAhead); ++i) {
-    if ((course_[i] - robot).norm() < (course_[passed_] - robot).norm()) passed_ = i;
-  }
-  if (passed_ != from) passed_at_s_ = time_s;
-  const double cut = std::min(kMaxCut_m, kCut_m + kCutGrowth * (time_s - passed_at_s_));
-  target_ = std::min(last, passed_ + 1);
-  for (std::size_t j = target_ + 1; j <= std::min(last, passed_ + kAhead); ++j) {
-    const Eigen::ParametrizedLine<double, 2> line =
-        Eigen::ParametrizedLine<double, 2>::Through(robot, course_[j]);
-    bool is_straight = true;
-    for (std::size_t i = passed_ + 1; i < j; ++i) {
-      is_straight = is_straight && line.distance(course_[i]) < cut;
-    }
-    if (is_straight) target_ = j;
-  }
-  return course_[target_];
-}
-
 /// A running drive.
 class Drive {
  public:
@@ -195,7 +152,7 @@ class Drive {
             base_, [this] { return base_.knowledge().map; }, setup.nav,
             [this] { return world_.now(); }),
         navigator_(obstacles_, setup.robot),
-        guide_(world_.course()),
+        guide_(world_.course(), setup.robot.width_m),
         manoeuvre_(size_),
         contacts_(size_) {
     obstacles_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
@@ -237,7 +194,7 @@ class Drive {
   Navigator navigator_;
   Guide guide_;
   Manoeuvre manoeuvre_;
-  CSimplePointsMap sensed_;  ///< during a manoeuvre
+  CSimplePointsMap sensed_;  ///< obstacles for guide and manoeuvres
   ContactCounter contacts_;
   std::shared_ptr<const TrialScene> scene_;
   TPose2D known_;                   ///< last known pose
@@ -278,22 +235,23 @@ void Drive::plan() {
   }
   known_at_s_ = time_s();
   known_ = *pose;
-  const Vector2d next = guide_.target({pose->x, pose->y}, time_s());
   const double start = processorSeconds();
+  mrpt::system::TTimeStamp timestamp;
+  const bool senses = obstacles_.senseObstacles(sensed_, timestamp);
+  const Vector2d next = guide_.lead({pose->x, pose->y}, inMap(sensed_, *pose));
   if (!target_) {
     navigator_.startAfresh(next);
   } else if (*target_ != next) {
     navigator_.driveTo(next);
   }
   target_ = next;
-  if (!manoeuvres(next)) navigator_.navigationStep();
+  if (!senses || !manoeuvres(next)) navigator_.navigationStep();
   result_.step_us.push_back(1e6 * (processorSeconds() - start));
   result_.sense_us.push_back(obstacles_.senseTime_us());
   if (obstacles_.lastReport().status != nav::SenseStatus::kSafe) ++result_.unsafe_steps;
   const auto state = navigator_.getCurrentState();
   if (state == CAbstractNavigator::NAV_ERROR) target_.reset();
   if (state != CAbstractNavigator::IDLE) return;
-  guide_.arrive();
   target_.reset();
   const double error_m = (world_.robot().position - scene_->goal).norm();
   if (guide_.isLast() && error_m < kArrived_m) result_.goal_reached = true;
@@ -301,8 +259,6 @@ void Drive::plan() {
 
 bool Drive::manoeuvres(const Vector2d& next) {
   if (!manoeuvre_.isDue(time_s(), known_, next)) return false;
-  mrpt::system::TTimeStamp timestamp;
-  if (!obstacles_.senseObstacles(sensed_, timestamp)) return false;
   const auto motion = manoeuvre_.command(sensed_);
   if (!motion) return false;
   CVehicleVelCmd_DiffDriven command;
@@ -320,8 +276,7 @@ void Drive::lookBack() {
     return;
   }
   // Towards where it would go, away from what it has turned to.
-  const Vector2d to =
-      guide_.target({known_.x, known_.y}, known_at_s_) - Vector2d(known_.x, known_.y);
+  const Vector2d to = guide_.target() - Vector2d(known_.x, known_.y);
   const double turn = wrapAngle(std::atan2(to.y(), to.x()) - known_.phi);
   CVehicleVelCmd_DiffDriven command;
   command.ang_vel = turn < 0.0 ? -kTurn_radps : kTurn_radps;
