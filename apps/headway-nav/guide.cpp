@@ -24,6 +24,8 @@ constexpr double kLeaving_m = 0.35;   // whoever is that near is left anyhow
 constexpr float kCrowded = 2.0F;      // added cost without room: a detour thrice as long
 constexpr float kOffCourse = 1.0F;    // added cost a metre beside the course
 constexpr double kOffCourse_m = 2.0;  // at most
+constexpr float kKept = 0.6F;         // ratio of the cost of the last way
+constexpr double kKept_m = 0.3;       // on both sides of it
 constexpr float kAsGood = 1.2F;       // ratio of the cost of a straight line to the way's
 constexpr float kNoWay = std::numeric_limits<float>::infinity();
 
@@ -68,23 +70,33 @@ const Vector2d& Guide::lead(const Vector2d& robot, const std::vector<Vector2d>& 
   const auto aimed = aim(cost);
   if (!aimed) return target_;
   const cv::Point end = cellOf(course_[*aimed]);
-  const auto cells = way(cost, end);
+  cv::Mat1f kept;
+  cv::multiply(cost, cv::Scalar(kKept), kept);
+  cost.copyTo(kept, distancesTo(way_.empty() ? course_ : way_) > kKept_m);
+  const auto cells = way(kept, end);
   if (cells.empty()) return target_;
+  way_.clear();
+  for (const cv::Point& cell : cells) way_.push_back(placeOf(cell));
   const cv::Point next = farthestAhead(cost, cells);
   target_ = next == end ? course_[*aimed] : placeOf(next);
   return target_;
 }
 
+cv::Mat1f Guide::distancesTo(const std::vector<Vector2d>& line) const {
+  cv::Mat1b beside(kGuideSize, kGuideSize, uchar{255});
+  std::vector<cv::Point> cells;
+  for (const Vector2d& place : line) cells.push_back(cellOf(place));
+  cv::polylines(beside, cells, false, cv::Scalar(0));
+  return distances(beside);
+}
+
 cv::Mat1f Guide::costs(const std::vector<Vector2d>& obstacles) const {
-  cv::Mat1b free(kGuideSize, kGuideSize, uchar{255}), beside(kGuideSize, kGuideSize, uchar{255});
+  cv::Mat1b free(kGuideSize, kGuideSize, uchar{255});
   for (const Vector2d& place : obstacles) {
     const cv::Point cell = cellOf(place);
     if (isInside(cell)) free(cell) = 0;
   }
-  std::vector<cv::Point> course;
-  for (const Vector2d& place : course_) course.push_back(cellOf(place));
-  cv::polylines(beside, course, false, cv::Scalar(0));
-  const cv::Mat1f room = distances(free), off_course = distances(beside);
+  const cv::Mat1f room = distances(free), off_course = distancesTo(course_);
   cv::Mat1f cost(kGuideSize, kGuideSize, kNoWay);
   const double needed = half_width_ + kGap_m;
   for (int y = 0; y < kGuideSize; ++y) {

@@ -15,7 +15,8 @@ namespace headway::app {
 ///
 /// A reactive navigator alone stops before a group of people that it could go round. The way is the
 /// cheapest over a window of cells of 0.1 m, 5 m to each side: it keeps 0.6 m from obstacles where
-/// it can, and returns to the course, since walls that are not seen yet are not crossed there.
+/// it can, and returns to the course, since walls that are not seen yet are not crossed there. The
+/// way of before is preferred: what closed another one may be out of view, but still there.
 /// Without any way the target is the next place of the course.
 ///
 /// @see  Dijkstra 1959, "A note on two problems in connexion with graphs"
@@ -40,6 +41,8 @@ class Guide {
  private:
   [[nodiscard]] cv::Point cellOf(const Eigen::Vector2d& place) const;
   [[nodiscard]] Eigen::Vector2d placeOf(const cv::Point& cell) const;
+  /// Distance of each cell to a line through places [m].
+  [[nodiscard]] cv::Mat1f distancesTo(const std::vector<Eigen::Vector2d>& line) const;
   /// Cost of each cell; infinite where the robot does not fit.
   [[nodiscard]] cv::Mat1f costs(const std::vector<Eigen::Vector2d>& obstacles) const;
   /// Index of the place of the course to plan to; nullopt: all are blocked.
@@ -52,6 +55,7 @@ class Guide {
   std::vector<Eigen::Vector2d> course_;
   double half_width_;
   std::size_t passed_ = 0;
+  std::vector<Eigen::Vector2d> way_;                 ///< the last one
   Eigen::Vector2d robot_ = Eigen::Vector2d::Zero();  ///< middle of the window
   Eigen::Vector2d target_ = Eigen::Vector2d::Zero();
 };

@@ -23,6 +23,7 @@ constexpr double kPatience_s = 3.0;  // at rest: somebody who walks has passed
 constexpr double kMoved_m = 0.1, kMoved_rad = 0.2;
 constexpr double kWayOut_s = 1.0, kWayOut_mps = 0.25;
 constexpr double kEnough_m = 0.2;  // more room is worth nothing
+constexpr double kNear_m = 0.15;   // whoever is nearer while it turns passes first
 constexpr double kTouch_m = 0.03;  // half a cell of a grid
 constexpr double kTick_s = 0.1;
 
@@ -42,7 +43,7 @@ bool Manoeuvre::isDue(double time_s, const TPose2D& robot, const Vector2d& targe
 
 std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles) {
   if (time_s_ < steps_out_until_s_) {
-    if (roomAfter(obstacles, way_out_, 2.0 * kTick_s)) return way_out_;
+    if (roomAfter(obstacles, way_out_, 2.0 * kTick_s, kTouch_m)) return way_out_;
     steps_out_until_s_ = time_s_;
   }
   if (time_s_ - stood_since_s_ > kPatience_s) {
@@ -54,7 +55,9 @@ std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles
     }
   }
   const DriveCommand turn{0.0, bearing_ < 0.0 ? -kTurn_radps : kTurn_radps};
-  if (turns_ && roomAfter(obstacles, turn, std::abs(bearing_) / kTurn_radps)) return turn;
+  if (turns_ && roomAt(obstacles, {}) >= kNear_m &&
+      roomAfter(obstacles, turn, std::abs(bearing_) / kTurn_radps, kNear_m))
+    return turn;
   return std::nullopt;
 }
 
@@ -71,8 +74,9 @@ double Manoeuvre::roomAt(const CSimplePointsMap& obstacles, const TPose2D& place
 }
 
 std::optional<double> Manoeuvre::roomAfter(const CSimplePointsMap& obstacles,
-                                           const DriveCommand& motion, double duration_s) const {
-  const double least = std::min(kTouch_m, roomAt(obstacles, {}));
+                                           const DriveCommand& motion, double duration_s,
+                                           double needed) const {
+  const double least = std::min(needed, roomAt(obstacles, {}));
   TPose2D place;
   double room = 0.0;
   for (double t = 0.0; t < duration_s; t += kTick_s) {
@@ -91,7 +95,7 @@ std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles)
   for (const double speed : {-kWayOut_mps, 0.0, kWayOut_mps}) {
     for (const double turn_rate : {-kTurn_radps, 0.0, kTurn_radps}) {
       if (speed == 0.0 && turn_rate == 0.0) continue;
-      const auto room = roomAfter(obstacles, {speed, turn_rate}, kWayOut_s);
+      const auto room = roomAfter(obstacles, {speed, turn_rate}, kWayOut_s, kTouch_m);
       if (!room) continue;
       // Of equal room, what turns it to its target.
       const double score =

@@ -14,8 +14,9 @@ namespace headway::app {
 /// Slow motions of a robot that drives forwards, where its navigator's arcs lead nowhere.
 ///
 /// It turns on the spot towards a target that is beside or behind it. When it has stood for 3 s it
-/// moves for a second to where it has more room: arcs begin in free space only. Neither brings it
-/// nearer than 3 cm to an obstacle, or nearer than it is.
+/// moves for a second to where it has more room: arcs begin in free space only. The
+/// former keeps 15 cm from obstacles, so that whoever comes near passes, the latter 3 cm, or what
+/// there is.
 class Manoeuvre {
  public:
   /// @param size  length and width of the robot [m]
@@ -33,10 +34,10 @@ class Manoeuvre {
  private:
   [[nodiscard]] double roomAt(const mrpt::maps::CSimplePointsMap& obstacles,
                               const mrpt::math::TPose2D& place) const;
-  /// Room after a motion; nullopt if something is in its way.
+  /// Room after a motion; nullopt if there is less than needed, and less than now, during it.
   [[nodiscard]] std::optional<double> roomAfter(const mrpt::maps::CSimplePointsMap& obstacles,
-                                                const sim::DriveCommand& motion,
-                                                double duration_s) const;
+                                                const sim::DriveCommand& motion, double duration_s,
+                                                double needed) const;
   [[nodiscard]] std::optional<sim::DriveCommand> wayOut(
       const mrpt::maps::CSimplePointsMap& obstacles) const;
 

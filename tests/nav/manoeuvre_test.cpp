@@ -31,6 +31,7 @@ TEST(ManoeuvreTest, TurnsOnTheSpotToATargetBehind) {
   EXPECT_EQ(0.0, motion->speed);
   EXPECT_LT(motion->turn_rate, 0.0) << "the shorter way round";
   EXPECT_FALSE(manoeuvre.command(pointsAt({{0.0, 0.25}}))) << "a corner would touch it";
+  EXPECT_FALSE(manoeuvre.command(pointsAt({{0.37, 0.0}}))) << "somebody comes";
 }
 
 TEST(ManoeuvreTest, TurnsUntilTheTargetIsAhead) {
