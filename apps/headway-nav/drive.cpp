@@ -27,7 +27,7 @@ constexpr double kLongestStep_s = 0.02;  // of the world: a walker moves 3 cm in
 constexpr float kPointHeight_m = 0.4F;   // of the obstacle points, within the robot's height
 
 /// The robot's base: what its navigator asks and commands.
-class DrivenBase : public mrpt::nav::CRobot2NavInterface {
+class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
  public:
   DrivenBase(const RobotParams& params, const nav::PredictiveObstaclesParams& nav)
       : params_(params), nav_(nav) {}
@@ -73,16 +73,6 @@ class DrivenBase : public mrpt::nav::CRobot2NavInterface {
   // MRPT's own are of the machine's clock.
   double getNavigationTime() override { return mrpt::Clock::nowDouble() - navigates_since_s_; }
   void resetNavigationTimer() override { navigates_since_s_ = mrpt::Clock::nowDouble(); }
-
-  // Events that MRPT would report on standard output.
-  bool startWatchdog(float) override { return true; }
-  bool stopWatchdog() override { return true; }
-  void sendNavigationStartEvent() override {}
-  void sendNavigationEndEvent() override {}
-  void sendNavigationEndDueToErrorEvent() override {}
-  void sendWaySeemsBlockedEvent() override {}
-  void sendApparentCollisionEvent() override {}
-  void sendCannotGetCloserToBlockedTargetEvent() override {}
 
  private:
   void add(const Vector2d& place, CSimplePointsMap& obstacles) const;
@@ -146,7 +136,7 @@ class Drive {
         world_(withSeed(setup.world, seed), size_),
         start_s_(world_.now()),
         clock_(start_s_),
-        eye_(makeEye(setup.sense, setup.robot, setup.objects)),
+        eye_(makeEye(setup.sense, setup.robot, setup.objects, setup.local_layer)),
         base_(setup.robot, setup.nav),
         obstacles_(
             base_, [this] { return base_.knowledge().map; }, setup.nav,

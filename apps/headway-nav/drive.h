@@ -13,6 +13,7 @@ namespace headway::app {
 struct DriveSetup {
   sim::SimParams world;  ///< its seed is the trial's
   Sense sense = Sense::kImages;
+  bool local_layer = true;  ///< by images: with what each frame shows to be blocked
   RobotParams robot;
   nav::PredictiveObstaclesParams nav;
   objects::ObjectsParams objects;

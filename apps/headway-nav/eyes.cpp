@@ -10,7 +10,7 @@
 #include <headway/run/session.h>
 #include <headway/sim/recording.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
-#include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CObservationOdometry.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,10 +21,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// headway's perception of the images that the robot's rig takes.
+/// headway's perception of the images that the robot's rig takes, and of its wheels.
 class ImagesEye : public Eye {
  public:
-  ImagesEye(const RobotParams& robot, const objects::ObjectsParams& objects) {
+  ImagesEye(const RobotParams& robot, const objects::ObjectsParams& objects, bool local_layer) {
+    params_.grid.local = local_layer;
     params_.detection.detector = "stereo_motion";
     params_.robot = map::RobotFootprint{robot.length_m, robot.width_m};
     params_.objects = objects;
@@ -39,6 +40,13 @@ class ImagesEye : public Eye {
       options.observations.sensor_label = observation->sensorLabel;  // else a second one is awaited
       live_.emplace(options);
       source_.emplace(*live_);
+    }
+    if (frame.odometry) {
+      const auto wheels = mrpt::obs::CObservationOdometry::Create();
+      wheels->timestamp = io::mrptTime(frame.odometry->time);
+      wheels->sensorLabel = "odometry";
+      wheels->odometry = {frame.odometry->x, frame.odometry->y, frame.odometry->yaw};
+      live_->push(wheels);
     }
     live_->push(observation);
     if (!session_) {
@@ -181,9 +189,9 @@ const std::vector<std::pair<std::string, Sense>>& senses() {
 }
 
 std::unique_ptr<Eye> makeEye(Sense sense, const RobotParams& robot,
-                             const objects::ObjectsParams& objects) {
+                             const objects::ObjectsParams& objects, bool local_layer) {
   if (sense == Sense::kTruth) return std::make_unique<TruthEye>();
-  return std::make_unique<ImagesEye>(robot, objects);
+  return std::make_unique<ImagesEye>(robot, objects, local_layer);
 }
 
 }  // namespace headway::app

@@ -43,7 +43,9 @@ class Eye {
 };
 
 /// The eye of a sense, kImages or kTruth.
+///
+/// @param local_layer  of images: with what each frame shows to be blocked, see map::LocalLayer
 [[nodiscard]] std::unique_ptr<Eye> makeEye(Sense sense, const RobotParams& robot,
-                                           const objects::ObjectsParams& objects);
+                                           const objects::ObjectsParams& objects, bool local_layer);
 
 }  // namespace headway::app

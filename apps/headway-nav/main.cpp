@@ -84,6 +84,7 @@ struct Options {
   std::string world;  ///< name or file; empty: abstract scenes
   std::string rig;    ///< empty: the world's
   std::string sense;  ///< empty: images in a world, else detections
+  std::string layer;  ///< empty: local
   int jobs = 1;
   bool overwrite = false;
   bool quiet = false;
@@ -191,6 +192,9 @@ void describe(Options& options, program::CommandLine& line) {
   line.option(options.sense, 0, "sense", "images|truth|detections",
               "By what the robot drives: its rendered images (default with --world), true tracks "
               "and grid, or a simulated detector (default without)");
+  line.option(options.layer, 0, "layer", "local|map",
+              "Obstacles of a robot that drives by images: what each frame shows (default), or the "
+              "map's alone");
   line.option(options.jobs, 0, "jobs", "N",
               "Trials at the same time, each in a process; default 1");
   line.flag(options.overwrite, 'w', "overwrite", "Overwrite files that exist");
@@ -292,6 +296,16 @@ void loadWorld(const Options& options, DriveSetup& drive) {
   drive.world.camera.colour = false;  // perception does without, and is faster
 }
 
+/// Whether a robot that drives by images has the local layer.
+bool hasLocalLayer(const Options& options, Sense sense) {
+  if (options.layer.empty()) return true;
+  if (sense != Sense::kImages) throw program::UsageError("--layer: needs --sense images");
+  if (options.layer != "local" && options.layer != "map") {
+    throw program::UsageError("--layer: '" + options.layer + "' is none of local, map");
+  }
+  return options.layer == "local";
+}
+
 /// Where the robot's knowledge comes from.
 Sense chosenSense(const Options& options) {
   if (options.sense.empty()) return options.world.empty() ? Sense::kDetections : Sense::kImages;
@@ -334,6 +348,7 @@ int main(int argc, char** argv) {
     app::requireWritable(options);
     app::DriveSetup drive;
     drive.sense = app::chosenSense(options);
+    drive.local_layer = app::hasLocalLayer(options, drive.sense);
     app::loadWorld(options, drive);
     // The predictive obstacles need the parameters of the simulated robot.
     setup.nav.robot.radius_m = setup.world.robot.radius();

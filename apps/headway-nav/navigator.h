@@ -40,6 +40,22 @@ struct RobotParams {
   void validate() const { validateRanges(*this, "robot"); }  ///< @throws InputError
 };
 
+/// A robot's interface without the events that MRPT reports on standard output.
+template <typename Robot>
+class Silent : public Robot {
+ public:
+  using Robot::Robot;
+
+  bool startWatchdog(float /*period_ms*/) override { return true; }
+  bool stopWatchdog() override { return true; }
+  void sendNavigationStartEvent() override {}
+  void sendNavigationEndEvent() override {}
+  void sendNavigationEndDueToErrorEvent() override {}
+  void sendWaySeemsBlockedEvent() override {}
+  void sendApparentCollisionEvent() override {}
+  void sendCannotGetCloserToBlockedTargetEvent() override {}
+};
+
 /// MRPT's reactive navigator without log output.
 ///
 /// The settings are those of MRPT's reactive2d_config.ini except for the robot's shape and speeds,

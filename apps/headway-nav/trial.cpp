@@ -56,7 +56,7 @@ using mrpt::nav::CAbstractNavigator;
 using Wheels = mrpt::kinematics::CVehicleSimul_DiffDriven;
 
 /// MRPT's simulated robot with a range scanner, reset for each trial.
-class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriven {
+class ScanningRobot : public Silent<mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriven> {
  public:
   explicit ScanningRobot(const RobotParams& params) : ScanningRobot(std::make_unique<Wheels>()) {
     wheels_->setDelayModelParams(params.lag_s, 0.0);
@@ -92,19 +92,9 @@ class ScanningRobot : public mrpt::nav::CRobot2NavInterfaceForSimulator_DiffDriv
   /// Processor time of simulating the last scan [us].
   [[nodiscard]] double scanTime_us() const { return scan_us_; }
 
-  // Events that MRPT would report on standard output.
-  bool startWatchdog(float) override { return true; }
-  bool stopWatchdog() override { return true; }
-  void sendNavigationStartEvent() override {}
-  void sendNavigationEndEvent() override {}
-  void sendNavigationEndDueToErrorEvent() override {}
-  void sendWaySeemsBlockedEvent() override {}
-  void sendApparentCollisionEvent() override {}
-  void sendCannotGetCloserToBlockedTargetEvent() override {}
-
  private:
   explicit ScanningRobot(std::unique_ptr<Wheels> wheels)
-      : CRobot2NavInterfaceForSimulator_DiffDriven(*wheels), wheels_(std::move(wheels)) {}
+      : Silent(*wheels), wheels_(std::move(wheels)) {}
 
   std::unique_ptr<Wheels> wheels_;
   const sim::Crowd* crowd_ = nullptr;

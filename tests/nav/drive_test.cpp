@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "policy_figures.h"
 
 namespace headway::app {
@@ -63,6 +65,18 @@ TEST(DriveTest, APerfectEyeMovesIntoNobody) {
     EXPECT_EQ(0u, result.drive->contacts.by_robot) << seed;
     EXPECT_LT(result.min_distance_m, 1.0) << seed << ": it has met somebody";
   }
+}
+
+TEST(DriveTest, ItsWheelsMeasureItsWay) {
+  const DriveSetup setup = hallWith(0, Sense::kImages);
+  sim::DrivenWorld world(setup.world, {setup.robot.length_m, setup.robot.width_m});
+  for (int i = 0; i < 50; ++i) world.advance(0.02, {0.8, 0.0});
+  const sim::SimFrame frame = world.look();
+  ASSERT_TRUE(frame.odometry);
+  EXPECT_NEAR(frame.time, frame.odometry->time, 1e-6);
+  const double way = world.robot().position.norm();
+  EXPECT_GT(way, 0.3);
+  EXPECT_NEAR(way, std::hypot(frame.odometry->x, frame.odometry->y), 0.03 * way);
 }
 
 TEST(DriveTest, TheSameSeedGivesTheSameDrive) {

@@ -57,6 +57,8 @@ TEST(NavProgramTest, ErrorsNameTheArgument) {
   EXPECT_EQ(runProcess(program("headway-nav") + " --rig robot").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --sense images").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --world hall --sense smell").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --layer map").status, 2);
+  EXPECT_EQ(runProcess(program("headway-nav") + " --world hall --layer none").status, 2);
   EXPECT_EQ(runProcess(program("headway-nav") + " --jobs 0").status, 2);
   const auto nowhere = runProcess(program("headway-nav") + " --world nowhere");
   EXPECT_EQ(nowhere.status, 1);

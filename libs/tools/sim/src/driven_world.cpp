@@ -12,13 +12,15 @@
 #include "environment.h"
 #include "frame_drawer.h"
 #include "robot.h"
+#include "robot_sensors.h"
 
 namespace headway::sim {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kHalfShoulders_m = 0.25;  // of people seen from above
+constexpr std::uint64_t kWheelsSeed = 510;  // beside those of a site
+constexpr double kHalfShoulders_m = 0.25;   // of people seen from above
 
 std::array<Vector2d, 4> cornersOf(const Footprint& box) {
   const Vector2d x = 0.5 * box.size.x() * Vector2d(std::cos(box.yaw), std::sin(box.yaw));
@@ -68,9 +70,12 @@ class DrivenWorld::Impl {
             makeEnvironment(withoutPursuit(params), drawer_.lens().ideal(), Driver::kCaller)),
         robot_(*environment_->drivenRobot()),
         robot_size_(robot_size),
+        wheels_(seedOf({static_cast<std::uint64_t>(params.world.seed), kWheelsSeed}),
+                params.camera.wheel_slip_ratio),
         start_time_s_(params.recording.start_time_s),
         view_distance_m_(params.world.view_distance_m) {
     const Pose start = robot_.T_world_robot();
+    wheels_.observe(now(), start);
     start_ = start.translation().head<2>();
     start_yaw_ = yawOf(start);
     for (const Footprint& thing : environment_->things()) things_.push_back(inMap(thing));
@@ -87,11 +92,14 @@ class DrivenWorld::Impl {
     const double after = gapToThings(robot());
     bumped_ = after <= 0.0 && after <= before;
     if (bumped_) robot_.undoStep();
+    wheels_.observe(now(), robot_.T_world_robot());
   }
 
   SimFrame look() {
     auto drawn = drawer_.draw(*environment_, ++frames_, [this](double) { return now(); });
     drawn.frame.index = frames_ - 1;
+    drawn.frame.odometry = wheels_.odometry();
+    (void)wheels_.takeImu();  // not carried by this robot
     return drawer_.finish(std::move(drawn));
   }
 
@@ -148,6 +156,7 @@ class DrivenWorld::Impl {
   std::unique_ptr<Environment> environment_;
   WheeledRobot& robot_;
   Vector2d robot_size_;
+  MotionSensors wheels_;
   double start_time_s_, view_distance_m_;
   Vector2d start_;          ///< world [m]
   double start_yaw_ = 0.0;  ///< [rad]
