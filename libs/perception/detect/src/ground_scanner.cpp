@@ -72,7 +72,7 @@ class ColumnScanner {
     double free_to = drop ? std::min(params_.reach_m, drop->from) : params_.reach_m;
     if (!columns_.back().obstacles.empty()) {
       const double nearest = fb_ / columns_.back().obstacles.front().disparity;
-      free_to = std::min(free_to, nearest - sigmaAt(nearest));
+      free_to = std::min(free_to, nearest - kContrastSigmas * sigmaAt(nearest));
     }
     for (const auto& piece : freeBefore(free_to)) {
       scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
