@@ -139,11 +139,8 @@ GroundPlane refined(GroundPlane plane, const Points& points, const SearchLimits&
     double count = 0.0;
     for (const auto& point : points) {
       const double tolerance = plane.tolerance(point.z());
-      const double deviation = plane.heightOf(point) / tolerance;
-      if (std::abs(deviation) > 1.0) continue;
-      // Tukey's weight: what is hardly within the tolerance may be another level.
-      const double trust = 1.0 - deviation * deviation;
-      const double weight = trust * trust / (tolerance * tolerance);
+      if (std::abs(plane.heightOf(point)) > tolerance) continue;
+      const double weight = 1.0 / (tolerance * tolerance);
       mean += weight * point;
       squares += weight * point * point.transpose();
       count += weight;
