@@ -93,8 +93,9 @@ class ColumnScanner {
       for (const auto& obstacle : columns_[i].obstacles) {
         const double nearest = fb_ / obstacle.disparity;
         if (nearest > obstacles_to_m_ || sigmaAt(nearest) > params_.max_error_m) break;
+        if (!obstacle.is_certain) continue;
         const auto disparity = agreed(i, obstacle, step);
-        if (!disparity || !obstacle.is_certain) continue;
+        if (!disparity) continue;
         const double depth = fb_ / *disparity;
         scan.obstacles.push_back(
             {placeAt(columns_[i].column, depth), static_cast<float>(sigmaAt(depth))});
