@@ -119,7 +119,7 @@ TEST(ImageScaleTest, ADepthCameraKeepsItsDepthsButForEdges) {
   EXPECT_EQ(0.0F, inside.disparity.at<float>(100, 200));
 }
 
-/// A drive through a hall, with a box of a person where nobody is.
+/// A drive through a hall, with a box of a person where there is none.
 class HalfTheSizeTest : public ::testing::Test {
  protected:
   HalfTheSizeTest() : hall_(test::smallCamera()) {

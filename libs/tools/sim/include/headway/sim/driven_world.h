@@ -41,9 +41,9 @@ struct Mover {
 ///
 /// The robot has a course of 15 to 30 m to drive, on which it meets people: some come towards it,
 /// cross, are overtaken or overtake, stand, or step out from where they were hidden; half of all
-/// who walk ignore it. Without [traffic] pedestrians it meets nobody. World, course and people
+/// who walk ignore it. Without [traffic] pedestrians it meets no one. World, course and people
 /// depend on the parameters alone, how people walk also on where the robot is. The map frame is the
-/// robot's first pose. A thing stops the robot, nobody else does. Used in one thread.
+/// robot's first pose. A thing stops the robot, people do not. Used in one thread.
 ///
 ///     DrivenWorld world(params, {0.5, 0.4});
 ///     while (!arrived(world.robot())) {
