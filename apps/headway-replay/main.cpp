@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-replay: stereo rawlog to trajectory, tracks, predictions, map and pictures.
 #include <headway/core/error.h>
-#include <headway/core/text.h>
-#include <headway/detect/network_detector.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
 #include <headway/scene/snapshot.h>
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <map>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "check_frame.h"
+#include "model_files.h"
 #include "recordings.h"
 #include "replay.h"
 
@@ -27,67 +21,6 @@ namespace {
 
 using program::CommandLine;
 using program::UsageError;
-
-constexpr int kTimedRuns = 5;
-
-StereoFrame bundledFrame() {
-  const std::vector<unsigned char> bytes(std::begin(kCheckFrame), std::end(kCheckFrame));
-  auto camera = std::make_shared<StereoCamera>();
-  StereoFrame frame;
-  frame.left_colour = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  cv::cvtColor(frame.left_colour, frame.left, cv::COLOR_BGR2GRAY);
-  camera->width = frame.left.cols;
-  camera->height = frame.left.rows;
-  frame.camera = camera;
-  return frame;
-}
-
-double bestTime(detect::Detector& detector, const StereoFrame& frame) {
-  double best_ms = 1e9;
-  for (int run = 0; run < kTimedRuns; ++run) {
-    const auto start = std::chrono::steady_clock::now();
-    (void)detector.detect(frame);
-    const std::chrono::duration<double, std::milli> elapsed =
-        std::chrono::steady_clock::now() - start;
-    best_ms = std::min(best_ms, elapsed.count());
-  }
-  return best_ms;
-}
-
-/// Runs a network on a bundled frame of a simulated street and prints its file, SHA-256, classes,
-/// detections and time per frame.
-///
-/// @param file    of the model; empty: does nothing
-/// @param params  of section [dnn]
-/// @return        whether a model was checked
-/// @throws InputError if the model cannot be used, or does not detect both a car and a pedestrian
-///         in the frame, which shows several of each
-bool checkModel(const std::string& file, detect::NetworkParams params) {
-  if (file.empty()) return false;
-  params.model = file;
-  detect::NetworkDetector detector(params);
-  const auto frame = bundledFrame();
-  const auto found = detector.detect(frame);
-  const auto shown = printable(detector.model());
-  std::printf("model: %s\nSHA-256: %s\nclasses: %s\n", shown.c_str(),
-              detect::sha256OfFile(detector.model()).c_str(), printable(params.classes).c_str());
-  std::printf("frame: %d x %d px, in %.0f ms (best of %d)\n", frame.left.cols, frame.left.rows,
-              bestTime(detector, frame), kTimedRuns);
-  std::map<ObjectClass, int> counts;
-  for (const auto& item : found.items) {
-    ++counts[item.object_class];
-    std::printf("%-12s score %.2f  %4.0f,%4.0f to %4.0f,%4.0f px\n",
-                std::string(toString(item.object_class)).c_str(), item.score, item.box2d->left,
-                item.box2d->top, item.box2d->right, item.box2d->bottom);
-  }
-  if (counts[ObjectClass::kCar] == 0 || counts[ObjectClass::kPedestrian] == 0) {
-    throw InputError(shown + ": detects " + std::to_string(counts[ObjectClass::kCar]) +
-                     " cars and " + std::to_string(counts[ObjectClass::kPedestrian]) +
-                     " pedestrians in a frame that shows several of each; check [dnn] scale, "
-                     "swap_red_blue, letterbox and classes");
-  }
-  return true;
-}
 
 /// Adds the options to a command line.
 void describe(Options& options, CommandLine& line) {
@@ -101,6 +34,8 @@ void describe(Options& options, CommandLine& line) {
               "dnn, hog, or several joined by +; default: detect.detector of the configuration");
   line.option(options.check_model, 0, "check-model", "FILE",
               "Run this network on a bundled frame and print what it detects; no -i, no -o");
+  line.option(options.get_model, 0, "get-model", "NAME",
+              "Download this network (yolox_nano) by curl to where auto finds it; no -i, no -o");
   line.option(options.sensor_label, 0, "sensor-label", "LABEL",
               "Stereo camera to use if the rawlog contains several");
   line.option(options.load_map, 0, "load-map", "FILE",
@@ -141,9 +76,11 @@ void checkSeveral(const Options& options) {
 
 /// @throws UsageError if options are missing, invalid or contradict each other
 void check(const Options& options) {
-  if (!options.check_model.empty()) {
+  if (!options.check_model.empty() || !options.get_model.empty()) {
     if (options.inputs.empty() && options.output.empty()) return;
-    throw UsageError("--check-model runs on a bundled frame: leave out -i and -o");
+    throw UsageError(options.get_model.empty()
+                         ? "--check-model runs on a bundled frame: leave out -i and -o"
+                         : "--get-model downloads, and replays nothing: leave out -i and -o");
   }
   if (options.inputs.empty() || options.output.empty()) {
     throw UsageError(std::string(options.inputs.empty() ? "-i/--input" : "-o/--output") +
@@ -196,8 +133,11 @@ int runReplay(int argc, char** argv) {
   options.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
   options.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
   check(options);
-  const auto& network = perception_params.detection.detect.network;
-  if (replay::checkModel(options.check_model, network)) return program::kDone;
+  if (!options.get_model.empty()) getModel(options.get_model, options.quiet);
+  if (!options.check_model.empty()) {
+    checkModel(options.check_model, perception_params.detection.detect.network);
+  }
+  if (options.inputs.empty()) return program::kDone;
   if (!options.detector.empty()) perception_params.detection.detector = options.detector;
 
   program::catchInterrupts();

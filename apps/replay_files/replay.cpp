@@ -340,8 +340,8 @@ void Replay::writeRecord(const pipeline::DetectionParams& detection, const Param
   writeRunRecord(folder_.path() / "replay.json", options_, params, summary_.rig, model);
   if (has_camera && model.empty() && pipeline::wouldUseModel(detection)) {
     log(LogLevel::kInfo,
-        "detector: without a network (doc/detectors.md says where to get one; check it by "
-        "headway-replay --check-model FILE, use it by --set dnn.model=FILE or $HEADWAY_MODELS)");
+        "detector: without a network (headway-replay --get-model yolox_nano installs one; see "
+        "doc/detectors.md)");
   } else if (!model.empty()) {
     log(LogLevel::kInfo, "detector: network " + printable(model));
   }

@@ -34,6 +34,7 @@ struct Options {
   std::string load_map;     ///< map file to continue; empty: new map
   std::string truth;        ///< folder with the truth for the report; empty: none
   std::string check_model;  ///< model to run on a bundled frame, instead of a replay
+  std::string get_model;    ///< model to download, instead of a replay
   std::string sensor_label;
   double realtime = 0.0;  ///< factor of the recorded rate; 0: offline, every frame
   std::optional<std::size_t> from_index;

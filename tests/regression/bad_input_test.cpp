@@ -55,20 +55,6 @@ class BadInputTest : public ::testing::Test {
   std::string rawlog;
 };
 
-TEST(CheckModelTest, NeedsNeitherInputNorOutput) {
-  const std::string command = test::program("headway-replay") + " --check-model ";
-  const auto missing = test::runProcess(command + "/nowhere/yolox.onnx");
-  EXPECT_EQ(1, missing.status);
-  EXPECT_THAT(missing.output, HasSubstr("/nowhere/yolox.onnx: no such file"));
-  EXPECT_EQ(2, test::runProcess(command + "yolox.onnx -i in.rawlog").status);
-  EXPECT_EQ(2, test::runProcess(test::program("headway-replay") + " -q").status);
-  HEADWAY_REQUIRE_DATA(data);
-  const auto run = test::runProcess(command + (data / "models" / "yolox_nano.onnx").string());
-  EXPECT_EQ(0, run.status) << run.output;
-  EXPECT_THAT(run.output, AllOf(HasSubstr("SHA-256: "), HasSubstr("classes: coco"),
-                                HasSubstr(" ms"), HasSubstr("Car "), HasSubstr("Pedestrian ")));
-}
-
 TEST_F(BadInputTest, ReplayRecordsTheHashOfTheModel) {
   HEADWAY_REQUIRE_DATA(data);
   test::writePlainRawlog(rawlog);

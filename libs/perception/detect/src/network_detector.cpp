@@ -86,7 +86,8 @@ NetworkParams withModel(NetworkParams params) {
 std::string findModel(const NetworkParams& params) {
   if (!params.model.empty() || params.family != NetworkParams::Family::kYolox) return params.model;
   const char* folder = std::getenv("HEADWAY_MODELS");
-  for (const std::string path : {folder != nullptr ? folder : "", kInstalledModels}) {
+  for (const auto& path : {std::string(folder != nullptr ? folder : ""), userModels(),
+                           std::string(kInstalledModels)}) {
     for (const char* name : {"yolox_nano.onnx", "yolox_tiny.onnx"}) {
       const auto file = std::filesystem::path(path) / name;
       std::error_code unreadable;
@@ -94,6 +95,14 @@ std::string findModel(const NetworkParams& params) {
     }
   }
   return "";
+}
+
+std::string userModels() {
+  const auto isSet = [](const char* value) { return value != nullptr && *value != '\0'; };
+  const char* data = std::getenv("XDG_DATA_HOME");
+  const char* home = std::getenv("HOME");
+  if (isSet(data)) return std::string(data) + "/headway/models";
+  return isSet(home) ? std::string(home) + "/.local/share/headway/models" : "";
 }
 
 void NetworkParams::describe(Params::Section section) {

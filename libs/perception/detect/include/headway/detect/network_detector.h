@@ -36,11 +36,15 @@ struct NetworkParams {
 };
 
 /// File of the network's weights: `params.model`, or the first of yolox_nano.onnx and
-/// yolox_tiny.onnx in the folder `$HEADWAY_MODELS` or /usr/share/headway/models, if the other
-/// parameters are those of such a network.
+/// yolox_tiny.onnx in the folders `$HEADWAY_MODELS`, userModels() and /usr/share/headway/models, if
+/// the other parameters are those of such a network.
 ///
 /// @return  empty if there is none
 [[nodiscard]] std::string findModel(const NetworkParams& params);
+
+/// The user's folder of networks: headway/models below `$XDG_DATA_HOME`, else below
+/// `$HOME/.local/share`; empty if neither is set.
+[[nodiscard]] std::string userModels();
 
 /// Finds objects by a network, through OpenCV's DNN module. 2D boxes; a StereoLifter adds depth.
 /// It runs on the image as a whole and on overlapping tiles of a wide one, whose boxes are joined.
