@@ -97,6 +97,32 @@ TEST(LocalLayerTest, AnswersByTheNewestFrames) {
   EXPECT_EQ(LocalState::kUnknown, frames.at(2.0, 0.0)) << "not seen for a second";
 }
 
+TEST(LocalLayerTest, WhoComesWalkingIsBlockedInEachFrameAndDoesNotVanishWhenNear) {
+  Frames frames;
+  frames.layer = LocalLayer(5.0, kFootprint, 1.0);
+  frames.see(Scene());
+  double ahead = 3.0;
+  for (; ahead > 1.05; ahead -= 0.13) {  // 1.3 m/s at 10 Hz
+    frames.see({{{ahead, -0.1}, {ahead, 0.1}}}, 1);
+    EXPECT_NE(LocalState::kFree, frames.at(ahead, 0.0)) << ahead;
+    if (ahead > 2.8) continue;
+    EXPECT_EQ(LocalState::kBlocked, frames.at(ahead, 0.0)) << ahead;
+  }
+  Scene hidden;  // nearer than what is measured: nothing is seen of them, nor of what they hide
+  GroundScan scan = scanOf(hidden);
+  const auto is_hidden = [](const auto& piece) {
+    return std::abs(piece.to.y()) < 0.4F * piece.to.x();
+  };
+  auto& free = scan.free;
+  free.erase(std::remove_if(free.begin(), free.end(), is_hidden), free.end());
+  for (int i = 0; i < 15; ++i) {
+    frames.see(scan, 1);
+    EXPECT_NE(LocalState::kFree, frames.at(0.7, 0.0)) << "they may be there";
+    if (i < 3) continue;
+    EXPECT_NE(LocalState::kFree, frames.at(0.5, 0.0)) << "as far as they walk in that time";
+  }
+}
+
 TEST(LocalLayerTest, OneWrongColumnBlocksNothing) {
   Frames frames;
   frames.see(Scene());
@@ -128,6 +154,22 @@ TEST(LocalLayerTest, WhatLeavesTheViewBlocksForAsLongAsCautionAsks) {
   EXPECT_EQ(LocalState::kFree, frames.at(2.0, 0.0)) << "it is seen to be free";
   frames.see(Scene(), 40);
   EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1));
+}
+
+TEST(LocalLayerTest, WhoWalksPastIsSoonBehind) {
+  Frames frames;
+  frames.layer = LocalLayer(5.0, kFootprint, 1.0);
+  frames.see(Scene());
+  for (double ahead = 3.0; ahead > 1.05; ahead -= 0.13) {  // 1.3 m/s, 0.7 m beside
+    frames.see({{{ahead, 0.6}, {ahead, 0.7}, {ahead, 0.8}}}, 1);
+  }
+  frames.see(Scene(), 3);
+  EXPECT_EQ(LocalState::kUnknown, frames.at(0.6, 0.7)) << "where they are next";
+  frames.see(Scene(), 7);
+  EXPECT_EQ(LocalState::kFree, frames.at(0.45, 0.0)) << "they have passed";
+  EXPECT_EQ(LocalState::kUnknown, frames.at(-0.4, 0.6)) << "and are beside or behind";
+  frames.see(Scene(), 10);
+  EXPECT_EQ(LocalState::kUnknown, frames.at(-1.7, 0.7));
 }
 
 TEST(LocalLayerTest, WhatComesBackFromTheEdgeHasNotLeft) {

@@ -6,6 +6,8 @@
 #include <headway/pipeline/perception.h>
 #include <headway_test/textured_world.h>
 
+#include <memory>
+
 namespace headway::pipeline {
 namespace {
 
@@ -29,7 +31,8 @@ StereoCamera robotCamera() {
 /// A robot that drives slowly through a room, without detectors.
 class BlockedNowTest : public testing::TestWithParam<bool> {
  protected:
-  BlockedNowTest() : room_(robotCamera()), perception_(room_.camera(), params()) {
+  BlockedNowTest()
+      : room_(robotCamera()), perception_(std::make_unique<Perception>(room_.camera(), params())) {
     room_.addRoom(10.0, 6.0, kRoomHeight_m);
   }
 
@@ -54,7 +57,7 @@ class BlockedNowTest : public testing::TestWithParam<bool> {
         frame.stereo->left.setTo(cv::Scalar(9));
         frame.stereo->right.setTo(cv::Scalar(9));
       }
-      update = perception_.process(frame);
+      update = perception_->process(frame);
     }
     now_ = update.time;
     x_ = update.camera.T_odom_robot.translation().x();
@@ -75,11 +78,11 @@ class BlockedNowTest : public testing::TestWithParam<bool> {
 
   [[nodiscard]] bool isFree(double ahead_m, double aside_m = 0.0) const {
     const map::TimedPose pose{now_, {x_ + ahead_m, aside_m}, 0.0};
-    return perception_.map().inOdometryAt(now_).timeToCollision({0.3, 0.3, true}, {pose}).isFree();
+    return perception_->map().inOdometryAt(now_).timeToCollision({0.3, 0.3, true}, {pose}).isFree();
   }
 
   test::TexturedWorld room_;
-  Perception perception_;
+  std::unique_ptr<Perception> perception_;
   std::size_t index_ = 0;
   Time now_ = 0.0;
   double x_ = 0.0;  ///< of the robot, odometry frame [m]
@@ -95,11 +98,40 @@ TEST_P(BlockedNowTest, GroundIsFreeUntilSomebodyStepsOnIt) {
   see(4);
   EXPECT_FALSE(isFree(1.4));
   EXPECT_FALSE(isFree(2.2)) << "behind, whatever the map says";
-  const auto query = perception_.map().inOdometryAt(now_);
+  const auto query = perception_->map().inOdometryAt(now_);
   EXPECT_FALSE(query.blockedNow().empty());
   stepOut();
   see(8);
   EXPECT_TRUE(isFree(1.2));
+}
+
+TEST_P(BlockedNowTest, WhoStandsThereFromTheBeginningIsNeverFree) {
+  stepIn(1.8);  // of whom nothing moves and no detector knows
+  int frees = 0;
+  for (int i = 0; i < 30; ++i) {
+    see(1);
+    const double ahead_m = 1.8 - 0.02 * static_cast<double>(index_ - 1);
+    frees += isFree(ahead_m) || isFree(ahead_m, 0.2) || isFree(ahead_m, -0.2);
+  }
+  EXPECT_EQ(0, frees);
+  EXPECT_TRUE(isFree(0.75, 0.25)) << "before";
+}
+
+TEST_P(BlockedNowTest, ALoadedMapFreesNothingThatIsInView) {
+  PerceptionParams mapping = params();
+  mapping.slam.mapping = true;
+  perception_ = std::make_unique<Perception>(room_.camera(), mapping);
+  see(40);  // the map of the empty room
+  const map::StoredMap stored = perception_->stored();
+  perception_ = std::make_unique<Perception>(room_.camera(), params());
+  perception_->resume(stored);
+  index_ = 0;
+  stepIn(1.5);
+  see(5);
+  EXPECT_FALSE(isFree(1.42));
+  EXPECT_FALSE(isFree(1.42, 0.2));
+  EXPECT_TRUE(isFree(0.7)) << "before";
+  EXPECT_GT(perception_->map().staticGrid()->getSizeX(), 0u) << "the map is loaded";
 }
 
 TEST_P(BlockedNowTest, WhatIsNotSeenForASecondIsNotFree) {

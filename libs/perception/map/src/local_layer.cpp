@@ -18,17 +18,19 @@ struct LocalEvidence {
   double hit = 1.7;
   double pass = 0.45;
   double beam_hits = 3.0;       ///< columns that a beam of a laser, which hardly errs, counts
-  double most_per_frame = 2.0;  ///< matching errors are alike in a whole frame
+  double most_per_frame = 2.0;  ///< matching errors are alike in a whole frame, and another in
+                                ///< the next; what is hit in both counts in full
   double most = 3.0;            ///< so that one frame can say that ground is free no more
   double known = 1.0;           ///< odds of 2.7 to 1
   double gap_ratio = 1.5;       ///< of the camera's height: a gap that ground scans bridge, too
   int free_round_gap = 5;       ///< of the eight cells round one that no column met
   double in_view_s = 0.5;       ///< of decay: two frames at 5 Hz may be missed
   // Of people who walk fast.
-  double hold_s = 6.0;  ///< of decay out of view, with caution 1: they pass 9 m
   double speed_mps = 1.5;
   double radius_m = 0.3;
   int cells_of_person = 3;  ///< at least, within the radius
+  double follow_s = 0.5;    ///< in which the velocity of what comes is measured
+  double follow_least_s = 0.2;
   double was_free_s = 2.0;  ///< before: what is blocked now has come
 };
 constexpr LocalEvidence kLocal;
@@ -96,8 +98,9 @@ class LocalLayer::Frame {
   std::vector<Evidence> cells_;
 };
 
-LocalLayer::LocalLayer(double reach_m, const RobotFootprint& footprint)
+LocalLayer::LocalLayer(double reach_m, const RobotFootprint& footprint, double nearest_m)
     : reach_m_(std::max(reach_m, kSize.least_reach_m)),
+      nearest_m_(nearest_m),
       cell_m_(std::clamp(reach_m_ / kSize.cells_to_reach, kSize.least_cell_m, kSize.most_cell_m)),
       size_(2 * static_cast<int>(std::ceil(reach_m_ / cell_m_)) + 2),
       footprint_(footprint),
@@ -123,9 +126,12 @@ bool LocalLayer::isInView(const Vector2d& place) const {
   if (!camera_) return false;
   const Vector2d offset = place - T_odom_robot_.translation().head<2>();
   if (!(offset.norm() < reach_m_)) return false;
-  const auto uvd =
-      project(T_cam_odom_ * Eigen::Vector3d(place.x(), place.y(), ground_z_), *camera_);
-  return uvd && uvd->x() >= 0.0 && uvd->x() < camera_->width && uvd->y() < camera_->height;
+  const Eigen::Vector3d ground = T_cam_odom_ * Eigen::Vector3d(place.x(), place.y(), ground_z_);
+  if (ground.z() < nearest_m_) return false;
+  const auto uvd = project(ground, *camera_);
+  if (!uvd) return false;
+  const double first = camera_->isDepthCamera() ? 0.0 : uvd->z();  // that the right camera sees
+  return uvd->x() >= first && uvd->x() < camera_->width && uvd->y() < camera_->height;
 }
 
 bool LocalLayer::isAtEdgeOfView(const Vector2d& place) const {
@@ -143,21 +149,30 @@ double LocalLayer::oddsOf(const Cell& cell, bool in_view, Time now, double hold_
          std::exp(-age_s / (in_view ? kLocal.in_view_s : std::max(kLocal.in_view_s, hold_s)));
 }
 
-bool LocalLayer::mayBeEntered(const Vector2d& place, Time now, double caution) const {
-  return std::any_of(intruders_.begin(), intruders_.end(), [&](const Intruder& intruder) {
-    const double age_s = now - intruder.time;
-    return age_s <= caution * kLocal.hold_s &&
-           (place - intruder.place).norm() < kLocal.radius_m + caution * kLocal.speed_mps * age_s;
+/// By what came since a time, when the place was seen to be free.
+bool LocalLayer::mayBeEntered(const Vector2d& place, float since_s, Time now,
+                              double caution) const {
+  return std::any_of(intruders_.begin(), intruders_.end(), [&](const Intruder& one) {
+    const double age_s = now - one.time;
+    const bool is_older = static_cast<float>(one.time - start_) < since_s;
+    if (is_older || age_s > caution * kLocalHold_s) return false;
+    const Vector2d way = age_s * one.velocity, offset = place - one.place;
+    const double walks_on_m = kLocal.radius_m + caution * one.spread_mps * age_s;
+    if ((offset - way).norm() < walks_on_m) return true;
+    const double ratio = offset.dot(way) / std::max(1e-9, way.squaredNorm());
+    return (offset - std::clamp(ratio, 0.0, 1.0) * way).norm() < kLocal.radius_m;  // it stopped
   });
 }
 
 LocalState LocalLayer::at(const Vector2d& place, Time now, double caution) const {
   const bool in_view = isInView(place);
   const Cell* cell = find(place);
-  const double odds = cell == nullptr ? 0.0 : oddsOf(*cell, in_view, now, caution * kLocal.hold_s);
+  const double odds = cell == nullptr ? 0.0 : oddsOf(*cell, in_view, now, caution * kLocalHold_s);
   if (odds >= kLocal.known) return LocalState::kBlocked;
-  if (!in_view && mayBeEntered(place, now, caution)) return LocalState::kUnknown;
-  if (odds <= -kLocal.known) return LocalState::kFree;
+  const bool is_free = odds <= -kLocal.known;
+  const float since_s = is_free ? cell->seen_s : 0.0F;
+  if (!in_view && mayBeEntered(place, since_s, now, caution)) return LocalState::kUnknown;
+  if (is_free) return LocalState::kFree;
   if (in_view && isGap(place, now)) return LocalState::kFree;
   return in_view ? LocalState::kUnknown : LocalState::kNotInView;
 }
@@ -188,7 +203,8 @@ std::vector<Vector2d> LocalLayer::blocked(Time now, double caution) const {
   return places;
 }
 
-/// A gap between the robot and the ground that is seen first, as far as nothing stands in it.
+/// A gap between the robot and the ground that is seen first, as far as nothing stands in it: who
+/// has come since would hide that ground.
 void LocalLayer::addStrip(const Vector2d& from, const Vector2d& to, Frame& frame) const {
   const double length = (to - from).norm(), step = 0.5 * cell_m_;
   if (length > kLocal.gap_ratio * camera_->T_robot_cam.translation().z()) return;
@@ -197,8 +213,8 @@ void LocalLayer::addStrip(const Vector2d& from, const Vector2d& to, Frame& frame
     const Vector2d place = to + back / length * (from - to);
     if (back > kLocal.radius_m && isInView(place)) return;  // the gap is in the image
     const Cell* cell = find(place);
-    const bool is_blocked = cell != nullptr && oddsOf(*cell, false, time_, kLocal.hold_s) > 0.0;
-    if (is_blocked || mayBeEntered(place, time_, 1.0)) break;
+    const bool is_blocked = cell != nullptr && oddsOf(*cell, false, time_, kLocalHold_s) > 0.0;
+    if (is_blocked) break;
     clear = place;
   }
   frame.addPass(clear, to);
@@ -213,10 +229,10 @@ Vector2d LocalLayer::nearestOfRobot(const Eigen::Vector3f& point) const {
 
 void LocalLayer::add(Time time, const Pose& T_odom_robot, const GroundScan& scan,
                      const std::optional<StereoCamera>& camera, int step) {
-  if (is_started_ && time < time_) *this = LocalLayer(reach_m_, footprint_);
+  if (is_started_ && time < time_) *this = LocalLayer(reach_m_, footprint_, nearest_m_);
   if (!is_started_) start_ = time;
+  const double before = std::exchange(time_, time);
   is_started_ = true;
-  time_ = time;
   T_odom_robot_ = T_odom_robot;
   camera_ = camera;
   ground_z_ = T_odom_robot.translation().z();
@@ -238,15 +254,21 @@ void LocalLayer::add(Time time, const Pose& T_odom_robot, const GroundScan& scan
   for (const auto& obstacle : scan.laser_obstacles) {
     frame.addHit(placeOf(obstacle.foot), robot, obstacle.sigma_m, kLocal.beam_hits);
   }
-  enter(frame, time, std::min(step, 2));
+  enter(frame, before, std::min(step, 2));
   standAt(T_odom_robot);
-  intruders_.erase(std::remove_if(intruders_.begin(), intruders_.end(),
-                                  [&](const Intruder& i) { return time - i.time > kLocal.hold_s; }),
-                   intruders_.end());
+  const auto forget = [&](std::vector<Intruder>& all, double after_s) {
+    const auto is_over = [&](const Intruder& one) { return time - one.time > after_s; };
+    all.erase(std::remove_if(all.begin(), all.end(), is_over), all.end());
+  };
+  forget(intruders_, kLocalHold_s);
+  forget(come_, kLocal.follow_s);
 }
 
-void LocalLayer::enter(const Frame& frame, Time time, double weight) {
+/// @param before  time of the frame before [s]
+void LocalLayer::enter(const Frame& frame, Time before, double weight) {
+  const Time time = time_;
   const auto now_s = static_cast<float>(time - start_);
+  const auto before_s = static_cast<float>(before - start_);
   const Vector2d robot = T_odom_robot_.translation().head<2>();
   std::vector<Intruder> come, seen;
   const int first_x = static_cast<int>(std::floor((robot.x() - reach_m_) / cell_m_));
@@ -259,29 +281,77 @@ void LocalLayer::enter(const Frame& frame, Time time, double weight) {
       Cell& cell = cells_[index];
       if (cell.x != x || cell.y != y) cell = {x, y};
       const Vector2d place = centreOf(cell);
-      const double before = oddsOf(cell, isInView(place), time, kLocal.hold_s);
+      const double last_odds = oddsOf(cell, isInView(place), time, kLocalHold_s);
       const double change = weight * (kLocal.hit * evidence.hits - kLocal.pass * evidence.passes);
-      const double odds =
-          std::clamp(before + std::clamp(change, -kLocal.most_per_frame, kLocal.most_per_frame),
-                     -kLocal.most, kLocal.most);
+      const bool is_struck = change >= kLocal.most_per_frame;
+      const bool counts_in_full = is_struck && wasStruckNear(cell, before_s);
+      const double most = counts_in_full ? 2.0 * kLocal.most : kLocal.most_per_frame;
+      const double odds = std::clamp(last_odds + std::clamp(change, -kLocal.most_per_frame, most),
+                                     -kLocal.most, kLocal.most);
       cell.odds = static_cast<float>(odds);
       cell.seen_s = now_s;
       if (odds <= -kLocal.known) cell.free_s = now_s;
       if (evidence.hits > 0.0F) cell.hit_s = now_s;
+      if (is_struck) cell.struck_before_s = std::exchange(cell.struck_s, now_s);
       const bool has_come =
           odds >= kLocal.known && now_s - cell.free_s < kLocal.was_free_s && !isAtStanding(place);
-      if (has_come) come.push_back({place, time});
+      if (has_come) come.push_back({place, time, Vector2d::Zero(), kLocal.speed_mps});
     }
   }
-  for (const Intruder& one : come) {
+  for (Intruder& one : come) {
     const auto near = std::count_if(come.begin(), come.end(), [&](const Intruder& other) {
       return (one.place - other.place).norm() < kLocal.radius_m;
     });
     if (near < kLocal.cells_of_person) continue;  // an error of matching is narrower
     dropSeenAgain(one.place, time);
-    if (isAtEdgeOfView(one.place)) seen.push_back(one);
+    if (!isAtEdgeOfView(one.place)) continue;
+    measureVelocity(come, one);
+    seen.push_back(one);
   }
   intruders_.insert(intruders_.end(), seen.begin(), seen.end());
+  come_.insert(come_.end(), come.begin(), come.end());
+}
+
+/// The velocity of what came about a place, by the middle of what came within a person's walk of it
+/// before; unknown at first.
+void LocalLayer::measureVelocity(const std::vector<Intruder>& come, Intruder& one) const {
+  const auto middleOf = [](const std::vector<Intruder>& all, Time time, const Vector2d& place,
+                           double radius_m) {
+    Vector2d sum = Vector2d::Zero();
+    int count = 0;
+    for (const Intruder& other : all) {
+      if (other.time != time || (other.place - place).norm() > radius_m) continue;
+      sum += other.place;
+      ++count;
+    }
+    return count > 0 ? std::optional(Vector2d(sum / count)) : std::nullopt;
+  };
+  one.spread_mps = kLocal.speed_mps;
+  const auto here = middleOf(come, one.time, one.place, kLocal.radius_m);
+  for (const Intruder& before : come_) {  // the oldest first
+    const double seconds = one.time - before.time;
+    if (seconds < kLocal.follow_least_s) return;
+    const double walk_m = kLocal.radius_m + kLocal.speed_mps * seconds;
+    const auto there = middleOf(come_, before.time, *here, walk_m);
+    if (!there) continue;
+    one.velocity = (*here - *there) / seconds;
+    one.spread_mps = 0.5 * kLocal.speed_mps;  // people who turn or stop
+    return;
+  }
+}
+
+/// Whether the frame before hit a cell from which a person walks to this one until now.
+bool LocalLayer::wasStruckNear(const Cell& cell, float before_s) const {
+  const double walk_m = kLocal.speed_mps * std::min(kLocal.in_view_s, time_ - start_ - before_s);
+  const int cells = 1 + static_cast<int>(walk_m / cell_m_);
+  for (int y = cell.y - cells; y <= cell.y + cells; ++y) {
+    for (int x = cell.x - cells; x <= cell.x + cells; ++x) {
+      const Cell& other = cells_[indexOf(x, y)];
+      const bool was_struck = other.struck_s == before_s || other.struck_before_s == before_s;
+      if (other.x == x && other.y == y && was_struck) return true;
+    }
+  }
+  return false;
 }
 
 /// Whether the place is at the edge of what has been blocked for long, which noise moves.
@@ -318,8 +388,9 @@ void LocalLayer::standAt(const Pose& T_odom_robot) {
       const Eigen::Vector3d place = T_odom_robot * at;
       const int column = static_cast<int>(std::floor(place.x() / cell_m_));
       const int row = static_cast<int>(std::floor(place.y() / cell_m_));
-      cells_[indexOf(column, row)] = {column, row,   static_cast<float>(-kLocal.most),
-                                      now_s,  now_s, -1.0e9F};
+      Cell& cell = cells_[indexOf(column, row)] = {column, row};
+      cell.odds = static_cast<float>(-kLocal.most);
+      cell.seen_s = cell.free_s = now_s;
     }
   }
 }

@@ -56,7 +56,7 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
 std::optional<map::LocalLayer> localFor(const std::optional<stereo::RigCapability>& rig,
                                         const GridParams& params) {
   if (!rig || !params.local) return std::nullopt;
-  return map::LocalLayer(params.scan.reach_m, params.map.footprint);
+  return map::LocalLayer(params.scan.reach_m, params.map.footprint, rig->nearest_m);
 }
 
 /// Number in the name of an attachment of a submap other than the first; nullopt: another name.

@@ -13,6 +13,7 @@
 namespace headway::map {
 
 constexpr double kCaution = 0.5;  ///< of a robot about what is out of its view, unless it is told
+constexpr double kLocalHold_s = 6.0;  ///< that it counts, with caution 1: who walks passes 9 m
 
 /// What the newest frames say about a place on the ground.
 enum class LocalState {
@@ -27,20 +28,24 @@ enum class LocalState {
 /// Independent of detectors, tracks, classes and of the map. Each cell sums the evidence of what
 /// hits it and of what passes it, by columns of the disparity image and beams of lasers, as a
 /// logarithm of odds that decays: in view within 0.5 s, so that only what is seen again stays free
-/// or blocked; out of view (nearer than the nearest visible ground, beside and behind the robot)
-/// within a time that the asker's caution chooses. What enters a place out of view was seen at the
-/// edge of the view, where it was free before: around it ground is unknown, as far as a person
-/// walks, until it is seen again or that time has passed.
+/// or blocked; out of view (nearer than the nearest visible ground or than what is measured, beside
+/// and behind the robot) within a time that the asker's caution chooses. What is hit in two frames,
+/// within what a person walks between them, is blocked at once. What enters a place out of view was
+/// seen at the edge of the view, where it was free before: ground is unknown where it is if it
+/// walks on, as far around as people turn, and on its way, where it may have stopped, until it is
+/// seen again or that time has passed.
 ///
 /// Stereo and depth cameras make ground free, lasers never do (see GroundScan). The strip between
 /// the robot and the nearest visible ground, up to 1.5 times the camera's height, counts as seen
-/// with that ground, unless something stands in it or may have entered it.
+/// with that ground, which people in it would hide, unless something stands in it.
 ///
 /// @see  Thrun, Burgard & Fox 2005, "Probabilistic Robotics", ch. 9 (occupancy by log odds)
 class LocalLayer {
  public:
-  /// @param reach_m  of the scans; the layer ends there, at 3 m at least [m]
-  explicit LocalLayer(double reach_m = 0.0, const RobotFootprint& footprint = {});
+  /// @param reach_m    of the scans; the layer ends there, at 3 m at least [m]
+  /// @param nearest_m  depth from which the camera measures [m]
+  explicit LocalLayer(double reach_m = 0.0, const RobotFootprint& footprint = {},
+                      double nearest_m = 0.0);
 
   /// Takes a frame.
   ///
@@ -66,14 +71,17 @@ class LocalLayer {
   struct Cell {
     int x = 0, y = 0;  ///< which of the cells with this index modulo the layer's size
     float odds = 0.0F;
-    float seen_s = 0.0F;     ///< time of the odds, since the start
-    float free_s = -1.0e9F;  ///< time at which it was last free
-    float hit_s = -1.0e9F;   ///< and last hit
+    float seen_s = 0.0F;                                  ///< time of the odds, since the start
+    float free_s = -1.0e9F;                               ///< time at which it was last free
+    float hit_s = -1.0e9F;                                ///< and last hit
+    float struck_s = -1.0e9F, struck_before_s = -1.0e9F;  ///< last times of many hits
   };
-  /// What was seen where the view ends.
+  /// What came where ground had been free.
   struct Intruder {
     Eigen::Vector2d place;
-    Time time;
+    Time time = 0.0;
+    Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< [m/s]
+    double spread_mps = 0.0;                             ///< by which it may move otherwise
   };
   struct Evidence {
     float hits = 0.0F;
@@ -88,22 +96,27 @@ class LocalLayer {
   }
   [[nodiscard]] bool isInView(const Eigen::Vector2d& place) const;
   [[nodiscard]] bool isGap(const Eigen::Vector2d& place, Time now) const;
+  [[nodiscard]] bool wasStruckNear(const Cell& cell, float before_s) const;
   [[nodiscard]] bool isAtStanding(const Eigen::Vector2d& place) const;
   [[nodiscard]] bool isAtEdgeOfView(const Eigen::Vector2d& place) const;
   [[nodiscard]] double oddsOf(const Cell& cell, bool in_view, Time now, double hold_s) const;
-  [[nodiscard]] bool mayBeEntered(const Eigen::Vector2d& place, Time now, double caution) const;
+  [[nodiscard]] bool mayBeEntered(const Eigen::Vector2d& place, float since_s, Time now,
+                                  double caution) const;
   [[nodiscard]] Eigen::Vector2d nearestOfRobot(const Eigen::Vector3f& point) const;
   void addStrip(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Frame& frame) const;
   void enter(const Frame& frame, Time time, double weight);
+  void measureVelocity(const std::vector<Intruder>& come, Intruder& one) const;
   void dropSeenAgain(const Eigen::Vector2d& place, Time time);
   void standAt(const Pose& T_odom_robot);
 
   double reach_m_;
+  double nearest_m_;
   double cell_m_;
   int size_;  ///< cells along a side
   RobotFootprint footprint_;
   std::vector<Cell> cells_;
-  std::vector<Intruder> intruders_;
+  std::vector<Intruder> intruders_;  ///< seen where the view ends
+  std::vector<Intruder> come_;       ///< all of the last half second
   std::optional<StereoCamera> camera_;
   Pose T_odom_robot_ = Pose::Identity();
   Pose T_cam_odom_ = Pose::Identity();
