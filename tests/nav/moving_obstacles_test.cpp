@@ -5,6 +5,7 @@
 #include <headway_test/walking_track.h>
 
 #include <limits>
+#include <memory>
 
 namespace headway::nav {
 namespace {
@@ -44,6 +45,58 @@ TEST(MovingObstaclesTest, ACrossingObjectThatLeavesInTimeIsNoObstacleAtItsPositi
 TEST(MovingObstaclesTest, AnObjectThatWillMeetTheRobotIsAnObstacleAtTheMeetingPoint) {
   const Track meeting = walkingTrack(1, {2.0, -2.0}, {0.0, 1.0});
   EXPECT_TRUE(anyNear(pointsOf({meeting}, ObstaclePolicy::kTimeGated), {2.0, 0.0}, 0.4));
+}
+
+/// What a memory of 3 s makes of tracks at times, seen by a robot at the origin.
+class TrackMemoryTest : public testing::Test {
+ protected:
+  TrackMemoryTest() {
+    auto layer = std::make_shared<map::LocalLayer>(5.0, map::RobotFootprint{0.5, 0.4});
+    layer->add(10.0, Pose::Identity(), {}, std::nullopt);
+    map_.update(std::shared_ptr<const map::LocalLayer>(layer));
+  }
+
+  std::vector<Track> at(Time time, const std::vector<Track>& tracks,
+                        const Pose& T_map_odom = Pose::Identity()) {
+    map_.update(time, tracks, T_map_odom);
+    return memory_.with(tracks, time, T_map_odom, map::MapQuery(map_, time));
+  }
+
+  map::PerceptionMap map_;
+  TrackMemory memory_{3.0};
+};
+
+TEST_F(TrackMemoryTest, WhoLeavesTheViewGoesOnAsPredicted) {
+  const Track beside = walkingTrack(1, {0.5, 1.0}, {-1.0, 0.0}, 0.1);
+  EXPECT_EQ(1u, at(10.0, {beside}).size());
+  for (int asked = 0; asked < 2; ++asked) {
+    const auto later = at(11.0, {});
+    ASSERT_EQ(1u, later.size());
+    EXPECT_NEAR(-0.5, later[0].position.x(), 1e-6);
+    EXPECT_NEAR(0.1, later[0].predictions[0].points[0].horizon_s, 1e-6);
+    EXPECT_NEAR(-0.6, later[0].predictions[0].points[0].position.x(), 1e-6);
+  }
+  const Pose loop(Eigen::Translation3d(2.0, 0.0, 0.0));
+  EXPECT_NEAR(0.5, at(12.0, {}, loop)[0].position.x(), 1e-6) << "a loop moves it with the map";
+  EXPECT_TRUE(at(13.5, {}).empty()) << "beyond what was predicted";
+}
+
+TEST_F(TrackMemoryTest, WhoIsSeenAgainOrNotToBeThereIsForgotten) {
+  (void)at(10.0,
+           {walkingTrack(1, {0.5, 1.0}, {-1.0, 0.0}), walkingTrack(2, {-1.0, 0.0}, {1.0, 0.0})});
+  EXPECT_EQ(2u, at(10.4, {}).size());
+  const auto seen_again = at(10.5, {walkingTrack(3, {0.1, 1.0}, {-1.0, 0.0})});
+  ASSERT_EQ(2u, seen_again.size());
+  EXPECT_EQ(TrackId{3}, seen_again[0].id);
+  EXPECT_EQ(TrackId{2}, seen_again[1].id);
+  EXPECT_EQ(1u, at(11.0, {}).size()) << "the robot stands where the second one would be";
+}
+
+TEST_F(TrackMemoryTest, WhoStandsStillIsNotRemembered) {
+  Track standing = walkingTrack(1, {0.5, 1.0}, {0.0, 0.0});
+  standing.motion_state = MotionState::kStatic;
+  (void)at(10.0, {standing});
+  EXPECT_TRUE(at(10.1, {}).empty());
 }
 
 TEST(MovingObstaclesTest, AnObjectThatArrivesTooLateIsNoObstacle) {

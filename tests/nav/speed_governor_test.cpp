@@ -110,16 +110,18 @@ TEST(SpeedGovernorTest, RefusesParametersOutOfRange) {
             test::inputErrorOf([&] { SpeedGovernor governor(values); }));
 }
 
-double speedRatioOn(const SpeedGovernor::FreeGround& is_free, const GroundTwist& command) {
+double speedRatioOn(const SpeedGovernor::GroundNow& ground, const GroundTwist& command) {
   SpeedGovernor governor(params());
   GroundState robot;
   robot.twist = command;
-  return governor.speedRatio(command, robot, {}, 0.1, is_free);
+  return governor.speedRatio(command, robot, {}, 0.1, ground);
 }
 
 TEST(SpeedGovernorTest, DrivesNoFasterThanItCanBrakeOnFreeGround) {
   const auto freeTo = [](double x) {
-    return [x](const Eigen::Vector2d& place) { return place.x() < x; };
+    return [x](const Eigen::Vector2d& place) {
+      return place.x() < x ? map::LocalState::kFree : map::LocalState::kUnknown;
+    };
   };
   // At 1 m/s it brakes within 0.25 m of reaction and 0.5 m, and is 0.25 m long before its origin.
   EXPECT_EQ(speedRatioOn(freeTo(1.5), kAhead), 1.0);
@@ -131,9 +133,28 @@ TEST(SpeedGovernorTest, DrivesNoFasterThanItCanBrakeOnFreeGround) {
   EXPECT_EQ(speedRatioOn(freeTo(0.33), {-1.0, 0.0, 0.0}), 1.0) << "backwards it is free";
 }
 
-TEST(SpeedGovernorTest, TurnsOnTheSpotWhateverIsAround) {
-  const auto nowhere = [](const Eigen::Vector2d&) { return false; };
-  EXPECT_EQ(speedRatioOn(nowhere, {0.0, 0.0, 1.0}), 1.0);
+TEST(SpeedGovernorTest, TurnsOnTheSpotWhereNothingIsBlocked) {
+  for (const auto state : {map::LocalState::kNotInView, map::LocalState::kUnknown}) {
+    const auto everywhere = [state](const Eigen::Vector2d&) { return state; };
+    EXPECT_EQ(speedRatioOn(everywhere, {0.0, 0.0, 1.0}), 1.0);
+  }
+  // Somebody at its left, within reach of its corners.
+  const auto beside = [](double left_m) {
+    return [left_m](const Eigen::Vector2d& place) {
+      return place.y() > left_m ? map::LocalState::kBlocked : map::LocalState::kFree;
+    };
+  };
+  EXPECT_LT(speedRatioOn(beside(0.27), {0.0, 0.0, 1.0}), 0.8);
+  EXPECT_EQ(speedRatioOn(beside(0.215), {0.0, 0.0, 1.0}), 0.0);
+  EXPECT_EQ(speedRatioOn(beside(0.215), kAhead), 1.0);
+}
+
+TEST(SpeedGovernorTest, DoesNotCreepTowardsWhomItSeesNoMore) {
+  const auto entered = [](const Eigen::Vector2d& place) {
+    return place.x() > 0.265 ? map::LocalState::kUnknown : map::LocalState::kFree;
+  };
+  EXPECT_EQ(speedRatioOn(entered, {0.2, 0.0, 0.0}), 0.0) << "within its radius";
+  EXPECT_EQ(speedRatioOn(entered, {-0.2, 0.0, 0.0}), 1.0);
 }
 
 }  // namespace

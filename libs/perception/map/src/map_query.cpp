@@ -202,9 +202,12 @@ LocalState MapQuery::localAt(const Vector2d& place) const {
   return map_.local()->at(T_odom_map_ * (T_map_asked_ * place), now_, params_.caution);
 }
 
-bool MapQuery::isGroundFree(const Vector2d& place) const {
-  const auto occupied = groundAt(T_map_asked_ * place, now_);
-  return status_ == QueryStatus::kKnown && occupied && *occupied < 0.5;
+LocalState MapQuery::groundNow(const Vector2d& place) const {
+  if (status_ != QueryStatus::kKnown) return LocalState::kUnknown;
+  const LocalState now = localAt(place);
+  if (now != LocalState::kNotInView) return now;
+  const auto occupied = staticOccupancyAt(T_map_asked_ * place);
+  return occupied && *occupied < 0.5 ? LocalState::kFree : now;
 }
 
 std::vector<Vector2d> MapQuery::blockedNow() const {

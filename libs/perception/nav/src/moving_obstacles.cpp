@@ -193,6 +193,60 @@ bool isMovingObstacle(const Track& track) {
   return isMoving(track) && isShown(track) && track.position.allFinite() && track.size.allFinite();
 }
 
+/// The track as it was predicted for a later time; nullopt beyond its predictions.
+static std::optional<Track> advanced(const Track& track, double age_s) {
+  if (track.predictions.empty()) return std::nullopt;
+  const auto& likeliest = track.predictions.front().points;
+  if (likeliest.empty() || !(age_s < likeliest.back().horizon_s)) return std::nullopt;
+  Track later = track;
+  const auto now = map::samplePath(track, track.predictions.front(), age_s);
+  later.position.head<2>() = now.centre;
+  later.position_covariance.topLeftCorner<2, 2>() = now.covariance;
+  for (auto& path : later.predictions) {
+    auto& points = path.points;
+    points.erase(std::remove_if(points.begin(), points.end(),
+                                [&](const auto& point) { return !(point.horizon_s > age_s); }),
+                 points.end());
+    for (auto& point : points) point.horizon_s -= age_s;
+  }
+  return later;
+}
+
+std::vector<Track> TrackMemory::with(std::vector<Track> tracks, Time time, const Pose& T_map_odom,
+                                     const map::MapQuery& query) {
+  const Pose T_odom_map = T_map_odom.inverse(Eigen::Isometry);
+  if (time < time_) remembered_.clear();  // the clock was set back
+  time_ = time;
+  const auto goes_on = [&](const Remembered& one) -> std::optional<Track> {
+    const bool is_known = std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
+      return isShown(track) && track.id == one.track.id;
+    });
+    if (is_known || !(time - one.time <= hold_s_)) return std::nullopt;
+    const auto later = advanced(one.track, time - one.time);
+    if (!later) return std::nullopt;
+    Track in_map = transformed(*later, T_map_odom);
+    const Vector2d place = in_map.position.head<2>();
+    if (query.localAt(place) == map::LocalState::kFree) return std::nullopt;
+    const bool is_other = std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
+      return isShown(track) && (track.position.head<2>() - place).norm() < in_map.size.x();
+    });
+    return is_other ? std::nullopt : std::optional(in_map);
+  };
+  std::vector<Remembered> kept;
+  std::vector<Track> all = tracks;
+  for (const Remembered& one : remembered_) {
+    auto later = goes_on(one);
+    if (!later) continue;
+    kept.push_back(one);
+    all.push_back(std::move(*later));
+  }
+  for (const Track& track : tracks) {
+    if (isMovingObstacle(track)) kept.push_back({transformed(track, T_odom_map), time});
+  }
+  remembered_ = std::move(kept);
+  return all;
+}
+
 MovingObstacles::MovingObstacles(const PredictiveObstaclesParams& params)
     : params_(validated(params)), gate_(params.robot) {}
 

@@ -74,6 +74,7 @@ PredictiveObstacles::PredictiveObstacles(mrpt::nav::CRobot2NavInterface& robot, 
       map_(std::move(map)),
       clock_(clock ? std::move(clock) : Clock(&mrpt::Clock::nowDouble)),
       params_(params),
+      memory_(params.caution * map::kLocalHold_s),
       moving_(params),
       governor_(params) {
   setLoggerName("PredictiveObstacles");
@@ -102,15 +103,22 @@ SenseStatus PredictiveObstacles::addPredictions(mrpt::maps::CSimplePointsMap& ob
 
   const auto robot = locate(*snapshot);
   if (!robot) return SenseStatus::kNoPose;
-  moving_.update(layer.tracks(), robot->place, std::max(0.0, report_.map_age_s));
+  const auto query = queryOf(*snapshot);
+  moving_.update(tracksOf(*snapshot, query), robot->place, std::max(0.0, report_.map_age_s));
   report_.moving_objects = moving_.current().size();
   removeLeaving(obstacles, *robot);
   insertPredicted(obstacles, *robot);
-  const auto query = queryOf(*snapshot);
   insertLocal(obstacles, *robot, query);
   const auto grid = snapshot->staticGrid();
   if (params_.use_static_grid && grid) insertStatic(obstacles, *robot, *grid, query);
   return SenseStatus::kSafe;
+}
+
+std::vector<Track> PredictiveObstacles::tracksOf(const map::PerceptionMap& snapshot,
+                                                 const map::MapQuery& query) {
+  const CMovingObjectsMap& layer = snapshot.movingObjects();
+  if (snapshot.local() == nullptr) return layer.tracks();
+  return memory_.with(layer.tracks(), layer.time(), snapshot.odometryFrame(), query);
 }
 
 map::MapQuery PredictiveObstacles::queryOf(const map::PerceptionMap& snapshot) const {
@@ -187,13 +195,13 @@ double PredictiveObstacles::admissibleSpeedRatio(const CVehicleVelCmd& command) 
                             "stopped; govern_speed = false forwards such commands");
     return 0.0;
   }
-  SpeedGovernor::FreeGround is_free;
+  const auto query = queryOf(*snapshot);
+  SpeedGovernor::GroundNow ground;
   if (snapshot->local() != nullptr) {
-    is_free = [query = queryOf(*snapshot)](const Vector2d& place) {
-      return query.isGroundFree(place);
-    };
+    ground = [&query](const Vector2d& place) { return query.groundNow(place); };
   }
-  return governor_.speedRatio(*twist, *robot, layer.tracks(), std::max(0.0, age_s), is_free);
+  return governor_.speedRatio(*twist, *robot, tracksOf(*snapshot, query), std::max(0.0, age_s),
+                              ground);
 }
 
 void PredictiveObstacles::removeLeaving(mrpt::maps::CSimplePointsMap& obstacles,

@@ -19,6 +19,7 @@ constexpr double kTurnMemory_s = 1.0;  ///< decay time of the commanded turn rat
 constexpr double kMinSigma_m = 0.05;
 constexpr double kFarSigmas = 4.0;
 constexpr double kStandstill_mps = 0.02;  ///< [m/s]
+constexpr double kUnderRobot_m = 0.01;    ///< about its outline: where it stands
 constexpr double kOutlineStep = 0.25;     ///< between points of a side, of half its length
 
 /// The probability that a standard normal value is above x.
@@ -32,16 +33,17 @@ SpeedGovernor::SpeedGovernor(const PredictiveObstaclesParams& params)
 
 double SpeedGovernor::speedRatio(const GroundTwist& command, const GroundState& robot,
                                  const std::vector<Track>& tracks, double age_s,
-                                 const FreeGround& is_free) {
+                                 const GroundNow& ground) {
   predictFutures(tracks, robot, age_s);
-  if (future_count_ == 0 && !is_free) return 1.0;
+  if (future_count_ == 0 && !ground) return 1.0;
   double best_ratio = 0.0;
   double min_cost = std::numeric_limits<double>::infinity();
   for (int i = kSpeedSteps; i >= 0; --i) {
     const double ratio = static_cast<double>(i) / kSpeedSteps;
     drive(command, ratio, robot);
     const double speed = ratio * std::hypot(command.forward, command.sideways);
-    if (is_free && !brakesOnFreeGround(speed, robot, age_s, is_free)) continue;
+    const double turn_rate = ratio * std::abs(command.turn);
+    if (ground && !brakesOnFreeGround(speed, turn_rate, robot, age_s, ground)) continue;
     const double cost = params_.governor.contact_cost * contactProbability() + (1.0 - ratio);
     if (cost >= min_cost) continue;
     min_cost = cost;
@@ -50,17 +52,32 @@ double SpeedGovernor::speedRatio(const GroundTwist& command, const GroundState& 
   return best_ratio;
 }
 
-bool SpeedGovernor::brakesOnFreeGround(double speed_mps, const GroundState& robot, double age_s,
-                                       const FreeGround& is_free) const {
-  const double way_m = speed_mps * (params_.governor.lag_s + age_s) +
-                       0.5 * speed_mps * speed_mps / params_.robot.deceleration_mps2;
+bool SpeedGovernor::brakesOnFreeGround(double speed_mps, double turn_radps,
+                                       const GroundState& robot, double age_s,
+                                       const GroundNow& ground) const {
   const Vector2d half = 0.5 * Vector2d(params_.robot.length_m, params_.robot.width_m);
+  const auto wayOf = [&](double speed) {
+    return speed * (params_.governor.lag_s + age_s) +
+           0.5 * speed * speed / params_.robot.deceleration_mps2;
+  };
+  const double way_m = wayOf(speed_mps), corner_way_m = wayOf(turn_radps * half.norm());
   const double turns_within_m = std::max(params_.robot.radius_m, half.norm() + kMinSigma_m);
+  const Eigen::Rotation2Dd back(-robot.yaw);
+  const auto isFree = [&](const Vector2d& place) {
+    const Vector2d offset = place - robot.place;
+    const Vector2d outside = (back * offset).cwiseAbs() - half;
+    if (outside.maxCoeff() < kUnderRobot_m) return true;
+    const map::LocalState state = ground(place);
+    if (state == map::LocalState::kFree || offset.norm() > turns_within_m) {
+      return state == map::LocalState::kFree;
+    }
+    return state == map::LocalState::kNotInView ||
+           (state == map::LocalState::kUnknown && speed_mps == 0.0);
+  };
   const auto isOutlineFree = [&](const GroundState& at) {
     const Eigen::Rotation2Dd turn(at.yaw);
     const auto isFreeAt = [&](double x, double y) {
-      const Vector2d place = at.place + turn * Vector2d(x, y);
-      return (place - robot.place).norm() <= turns_within_m || is_free(place);
+      return isFree(at.place + turn * Vector2d(x, y));
     };
     for (double s = -1.0; s <= 1.0; s += kOutlineStep) {
       const bool is_free_here =
@@ -70,13 +87,14 @@ bool SpeedGovernor::brakesOnFreeGround(double speed_mps, const GroundState& robo
     }
     return true;
   };
-  double driven_m = 0.0;
-  Vector2d last = robot.place;
+  double driven_m = 0.0, corner_m = 0.0;
+  const GroundState* last = &robot;
   for (const GroundState& at : driven_) {
-    driven_m += (at.place - last).norm();
-    last = at.place;
+    driven_m += (at.place - last->place).norm();
+    corner_m += std::abs(at.yaw - last->yaw) * half.norm();
+    last = &at;
     if (!isOutlineFree(at)) return false;
-    if (driven_m >= way_m) return true;
+    if (driven_m >= way_m && corner_m >= corner_way_m) return true;
   }
   return true;
 }

@@ -140,8 +140,9 @@ class MapQuery {
 
   /// What the newest frames say about a place [m]; kNotInView if none was scanned for it.
   [[nodiscard]] LocalState localAt(const Eigen::Vector2d& place) const;
-  /// Whether ground is free now: by the newest frames, where they do not say by the static grid.
-  [[nodiscard]] bool isGroundFree(const Eigen::Vector2d& place) const;
+  /// What the newest frames say about the ground; where they say nothing, kFree if the static grid
+  /// does. kUnknown of a map that cannot be asked.
+  [[nodiscard]] LocalState groundNow(const Eigen::Vector2d& place) const;
   /// Where something stands by the newest frames: centres of cells [m].
   [[nodiscard]] std::vector<Eigen::Vector2d> blockedNow() const;
 

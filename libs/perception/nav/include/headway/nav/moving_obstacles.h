@@ -8,6 +8,7 @@
 #include <headway/core/track.h>
 #include <headway/map/contact_probability.h>
 #include <headway/map/local_layer.h>
+#include <headway/map/map_query.h>
 
 #include <string>
 #include <utility>
@@ -163,6 +164,31 @@ void appendOutline(const map::FootprintShape& footprint, const Eigen::Vector2d& 
 
 /// Whether a track is shown, moving, and finite.
 [[nodiscard]] bool isMovingObstacle(const Track& track);
+
+/// Moving tracks that ended where nobody could be seen any more, beside the robot, too near, or
+/// hidden: they go on as they were predicted, until the place is seen to be free, somebody else is
+/// tracked there, or the time is over.
+class TrackMemory {
+ public:
+  /// @param hold_s  that a track goes on, at most as long as it was predicted [s]
+  explicit TrackMemory(double hold_s) : hold_s_(hold_s) {}
+
+  /// Takes the tracks of a time, and adds those that are remembered, as they are predicted for it.
+  ///
+  /// @param tracks  map frame; of one time as often as it is asked for
+  /// @param query   the map of that time, which says what is seen to be free
+  [[nodiscard]] std::vector<Track> with(std::vector<Track> tracks, Time time,
+                                        const Pose& T_map_odom, const map::MapQuery& query);
+
+ private:
+  struct Remembered {
+    Track track;  ///< odometry frame
+    Time time = 0.0;
+  };
+  double hold_s_;
+  std::vector<Remembered> remembered_;
+  Time time_ = 0.0;  ///< of the newest tracks
+};
 
 /// An obstacle point for the planner, map frame [m].
 struct ObstaclePoint {

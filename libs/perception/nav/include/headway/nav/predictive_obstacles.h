@@ -120,6 +120,9 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   /// The map; nullopt, and logged, if its source throws.
   [[nodiscard]] std::optional<map::PerceptionMap> readMap();
   [[nodiscard]] map::MapQuery queryOf(const map::PerceptionMap& snapshot) const;
+  /// The tracks of the map and, where it shows what is free now, those that have left the view.
+  [[nodiscard]] std::vector<Track> tracksOf(const map::PerceptionMap& snapshot,
+                                            const map::MapQuery& query);
   /// The robot in the map's frame; nullopt if its pose is unknown.
   [[nodiscard]] std::optional<GroundState> locate(const map::PerceptionMap& snapshot);
   [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
@@ -143,6 +146,7 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   MapSource map_;
   Clock clock_;
   PredictiveObstaclesParams params_;
+  TrackMemory memory_;
   MovingObstacles moving_;
   SpeedGovernor governor_;
   SenseReport report_;

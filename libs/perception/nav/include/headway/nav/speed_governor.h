@@ -4,6 +4,7 @@
 
 #include <headway/core/track.h>
 #include <headway/map/contact_probability.h>
+#include <headway/map/local_layer.h>
 #include <headway/nav/moving_obstacles.h>
 
 #include <functional>
@@ -43,18 +44,19 @@ class SpeedGovernor {
   /// @throws InputError if a parameter is out of range
   explicit SpeedGovernor(const PredictiveObstaclesParams& params);
 
-  /// Whether the ground at a place of the map is free now.
-  using FreeGround = std::function<bool(const Eigen::Vector2d&)>;
+  /// What is known now of the ground at a place of the map; kNotInView: never seen.
+  using GroundNow = std::function<map::LocalState(const Eigen::Vector2d&)>;
 
-  /// A ratio is admissible only if the robot can brake on ground that is free now; what lies within
-  /// its radius, where it may turn on the spot, is not asked for.
+  /// A ratio is admissible only if the robot can brake on ground that is free now. Within its
+  /// radius, which it may never have seen, it turns on the spot where nothing is blocked, and moves
+  /// where nothing is blocked or may have been entered.
   ///
-  /// @param age_s    age of the tracks and of what is known about the ground [s]
-  /// @param is_free  empty: all ground counts as free
+  /// @param age_s   age of the tracks and of what is known about the ground [s]
+  /// @param ground  empty: all ground counts as free
   /// @return         ratio of the commanded speed, 0 to 1; the highest of equal cost
   [[nodiscard]] double speedRatio(const GroundTwist& command, const GroundState& robot,
                                   const std::vector<Track>& tracks, double age_s,
-                                  const FreeGround& is_free = {});
+                                  const GroundNow& ground = {});
 
  private:
   /// Positions of an object over time along one of its predicted paths.
@@ -67,9 +69,10 @@ class SpeedGovernor {
   };
 
   void predictFutures(const std::vector<Track>& tracks, const GroundState& robot, double age_s);
-  /// Whether the robot, driven at a speed, brakes on free ground.
-  [[nodiscard]] bool brakesOnFreeGround(double speed_mps, const GroundState& robot, double age_s,
-                                        const FreeGround& is_free) const;
+  /// Whether the robot, driven at a speed and a turn rate, brakes on free ground.
+  [[nodiscard]] bool brakesOnFreeGround(double speed_mps, double turn_radps,
+                                        const GroundState& robot, double age_s,
+                                        const GroundNow& ground) const;
   void drive(const GroundTwist& command, double ratio, const GroundState& from);
   [[nodiscard]] double contactProbability() const;
   [[nodiscard]] double contactProbability(const Future& future) const;
