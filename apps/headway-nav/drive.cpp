@@ -127,6 +127,46 @@ void DrivenBase::addGrid(const mrpt::maps::COccupancyGridMap2D& grid,
   }
 }
 
+/// The obstacles of a drive, sensed once in each step.
+class DriveObstacles : public WatchedObstacles {
+ public:
+  DriveObstacles(DrivenBase& base, const DriveSetup& setup, Clock clock)
+      : WatchedObstacles(
+            base, [&base] { return base.knowledge().map; }, setup.nav, std::move(clock)),
+        body_(0.5 * setup.robot.length_m, 0.5 * setup.robot.width_m),
+        margin_m_(setup.robot.margin_m) {
+    setMinLoggingLevel(mrpt::system::LVL_ERROR);
+  }
+
+  /// @return whether they are safe
+  bool sense() { return is_safe_ = WatchedObstacles::senseObstacles(sensed_, timestamp_); }
+  /// In the robot's frame.
+  [[nodiscard]] const CSimplePointsMap& sensed() const { return sensed_; }
+
+  /// What the navigator's margin reaches already is left to the speed governor, because a planner
+  /// that starts inside an obstacle finds no path.
+  bool senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp) override {
+    obstacles.clear();
+    timestamp = timestamp_;
+    for (std::size_t i = 0; i < sensed_.size(); ++i) {
+      float x = 0.0F, y = 0.0F, z = 0.0F;
+      sensed_.getPoint(i, x, y, z);
+      const Vector2d place(static_cast<double>(x), static_cast<double>(y));
+      const Vector2d outside = (place.cwiseAbs() - body_).cwiseMax(0.0);
+      if (outside.norm() > margin_m_) obstacles.insertPointFast(x, y, z);
+    }
+    obstacles.mark_as_modified();
+    return is_safe_;
+  }
+
+ private:
+  Vector2d body_;  ///< half of it
+  double margin_m_;
+  CSimplePointsMap sensed_;
+  mrpt::system::TTimeStamp timestamp_;
+  bool is_safe_ = false;
+};
+
 /// A running drive.
 class Drive {
  public:
@@ -138,14 +178,11 @@ class Drive {
         clock_(start_s_),
         eye_(makeEye(setup.sense, setup.robot, setup.objects, setup.local_layer)),
         base_(setup.robot, setup.nav),
-        obstacles_(
-            base_, [this] { return base_.knowledge().map; }, setup.nav,
-            [this] { return world_.now(); }),
+        obstacles_(base_, setup, [this] { return world_.now(); }),
         navigator_(obstacles_, setup.robot),
         guide_(world_.course(), setup.robot.width_m),
         manoeuvre_(size_),
         contacts_(size_) {
-    obstacles_.setMinLoggingLevel(mrpt::system::LVL_ERROR);
     auto scene = std::make_shared<TrialScene>();
     scene->course = world_.course();
     scene->goal = scene->course.back();
@@ -180,11 +217,10 @@ class Drive {
   SimulatedClock clock_;
   std::unique_ptr<Eye> eye_;
   DrivenBase base_;
-  WatchedObstacles obstacles_;
+  DriveObstacles obstacles_;
   Navigator navigator_;
   Guide guide_;
   Manoeuvre manoeuvre_;
-  CSimplePointsMap sensed_;  ///< obstacles for guide and manoeuvres
   ContactCounter contacts_;
   std::shared_ptr<const TrialScene> scene_;
   TPose2D known_;                   ///< last known pose
@@ -226,9 +262,8 @@ void Drive::plan() {
   known_at_s_ = time_s();
   known_ = *pose;
   const double start = processorSeconds();
-  mrpt::system::TTimeStamp timestamp;
-  const bool senses = obstacles_.senseObstacles(sensed_, timestamp);
-  const Vector2d next = guide_.lead({pose->x, pose->y}, inMap(sensed_, *pose));
+  const bool senses = obstacles_.sense();
+  const Vector2d next = guide_.lead({pose->x, pose->y}, inMap(obstacles_.sensed(), *pose));
   if (!target_) {
     navigator_.startAfresh(next);
   } else if (*target_ != next) {
@@ -249,7 +284,7 @@ void Drive::plan() {
 
 bool Drive::manoeuvres(const Vector2d& next) {
   if (!manoeuvre_.isDue(time_s(), known_, next)) return false;
-  const auto motion = manoeuvre_.command(sensed_);
+  const auto motion = manoeuvre_.command(obstacles_.sensed());
   if (!motion) return false;
   CVehicleVelCmd_DiffDriven command;
   command.lin_vel = motion->speed;
@@ -297,7 +332,7 @@ TrialMoment Drive::moment() const {
     person.radius = mover.radius_m > 0.0 ? mover.radius_m : 0.5 * mover.shape.size.y();
   }
   moment.tracks = base_.knowledge().map.movingObjects().tracks();
-  if (target_) moment.obstacles = inMap(obstacles_.last(), *base_.knowledge().pose);
+  if (target_) moment.obstacles = inMap(obstacles_.sensed(), *base_.knowledge().pose);
   moment.contact = touched_;
   const cv::Mat& image = base_.knowledge().image;
   if (!image.empty()) {

@@ -31,7 +31,14 @@ struct DriveSetup {
 /// Deterministic except for processor times; controls MRPT's clock during a drive.
 class DriveRunner : public Trials {
  public:
-  explicit DriveRunner(const DriveSetup& setup) : setup_(setup) { setup_.robot.reverses = false; }
+  /// About the robot for its navigator: obstacles are middles of cells, half as wide as the map's,
+  /// and people are thinner to the eye than their shoulders are wide.
+  static constexpr double kMargin_m = 0.12;
+
+  explicit DriveRunner(const DriveSetup& setup) : setup_(setup) {
+    setup_.robot.reverses = false;
+    setup_.robot.margin_m += kMargin_m;
+  }
 
   [[nodiscard]] TrialResult run(std::uint64_t seed, const TrialObserver& observer = {}) override;
 

@@ -21,6 +21,15 @@ namespace {
 
 using Eigen::Vector2d;
 
+/// Whether a pose leads to a goal: three standard deviations are no more than the radius that
+/// counts as reached, and than the bearing of a target that a forward arc reaches.
+bool isKnown(const PoseCovariance& covariance) {
+  constexpr double kSigma_m = 0.3, kSigma_rad = 0.1;
+  const PoseCovariance::ConstDiagonalReturnType variance = covariance.diagonal();
+  return variance.head<3>().maxCoeff() < kSigma_m * kSigma_m &&
+         variance.tail<3>().maxCoeff() < kSigma_rad * kSigma_rad;
+}
+
 /// headway's perception of the images that the robot's rig takes, and of its wheels.
 class ImagesEye : public Eye {
  public:
@@ -58,7 +67,9 @@ class ImagesEye : public Eye {
     Knowledge knowledge;
     knowledge.map = perception_->map();
     const auto& camera = result->update.camera;
-    if (isTracked(camera.status)) {
+    // Who is lost goes on by wheels for as long as those know where it is.
+    const bool goes_on = camera.status == slam::TrackingStatus::kLost && frame.odometry;
+    if (isTracked(camera.status) || (goes_on && isKnown(camera.covariance))) {
       const Eigen::Vector3d place = camera.T_map_robot.translation();
       knowledge.pose = mrpt::math::TPose2D(place.x(), place.y(), yawOf(camera.T_map_robot));
     }

@@ -3,6 +3,8 @@
 #include "drive.h"
 
 #include <gtest/gtest.h>
+#include <headway/map/map_query.h>
+#include <headway/nav/speed_governor.h>
 
 #include <cmath>
 
@@ -65,6 +67,65 @@ TEST(DriveTest, APerfectEyeMovesIntoNobody) {
     EXPECT_EQ(0u, result.drive->contacts.by_robot) << seed;
     EXPECT_LT(result.min_distance_m, 1.0) << seed << ": it has met somebody";
   }
+}
+
+/// A robot in an empty hall that does what its speed governor admits of each command, by images.
+class GovernedDrive {
+ public:
+  GovernedDrive()
+      : world_(setup_.world, {setup_.robot.length_m, setup_.robot.width_m}),
+        eye_(makeEye(Sense::kImages, setup_.robot, setup_.objects, true)),
+        governor_(setup_.nav) {}
+  void drive(double seconds, const sim::DriveCommand& command) {
+    const double end_s = world_.now() + seconds, period_s = 1.0 / setup_.world.camera.rate_hz;
+    while (world_.now() < end_s - 1e-6) {
+      const Knowledge knowledge = eye_->perceive(world_);
+      const double ratio = knowledge.pose ? ratioOf(command, knowledge) : 0.0;
+      const int steps = static_cast<int>(std::ceil(period_s / 0.02));
+      for (int i = 0; i < steps; ++i) {
+        world_.advance(period_s / steps, {ratio * command.speed, ratio * command.turn_rate});
+      }
+    }
+  }
+  [[nodiscard]] sim::DrivenRobot robot() const { return world_.robot(); }
+
+ private:
+  double ratioOf(const sim::DriveCommand& command, const Knowledge& knowledge) {
+    const map::MapQuery query(knowledge.map, world_.now());
+    const nav::GroundTwist motion{world_.robot().motion.speed, 0.0,
+                                  world_.robot().motion.turn_rate};
+    return governor_.speedRatio(
+        {command.speed, 0.0, command.turn_rate},
+        {{knowledge.pose->x, knowledge.pose->y}, knowledge.pose->phi, motion},
+        knowledge.map.movingObjects().tracks(), 0.0,
+        [&](const Eigen::Vector2d& place) { return query.groundNow(place); });
+  }
+
+  static DriveSetup slowHall() {
+    DriveSetup setup = hallWith(0, Sense::kImages);
+    setup.world.camera.rate_hz = 5.0;
+    return setup;
+  }
+
+  DriveSetup setup_ = slowHall();
+  sim::DrivenWorld world_;
+  std::unique_ptr<Eye> eye_;
+  nav::SpeedGovernor governor_;
+};
+
+TEST(DriveTest, WhoStoodForAMinuteStartsTurnsAndReverses) {
+  GovernedDrive drive;
+  drive.drive(3.0, {0.5, 0.0});
+  drive.drive(60.0, {});
+  const Eigen::Vector2d stood = drive.robot().position;
+  drive.drive(4.0, {-0.4, 0.0});
+  EXPECT_GT((drive.robot().position - stood).norm(), 1.0) << "back on ground that it has driven on";
+  const Eigen::Vector2d reversed = drive.robot().position;
+  drive.drive(4.0, {0.4, 0.0});
+  EXPECT_GT((drive.robot().position - reversed).norm(), 1.0);
+  const double yaw = drive.robot().yaw;
+  drive.drive(2.0, {0.0, 0.8});
+  EXPECT_GT(std::abs(wrapAngle(drive.robot().yaw - yaw)), 1.0);
 }
 
 TEST(DriveTest, ItsWheelsMeasureItsWay) {
