@@ -23,18 +23,6 @@ bool isAmong(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-ConvertedImage convert(const BagTopic& topic, const BagMessage& message, bool is_depth,
-                       MessageHeader& header) {
-  if (topic.type == "sensor_msgs/CompressedImage") {
-    const auto image = decodeCompressedImage(message.content, topic.encoding);
-    header = image.header;
-    return is_depth ? depthFrom(image) : pictureFrom(image);
-  }
-  const auto image = decodeImageMessage(message.content, topic.encoding);
-  header = image.header;
-  return is_depth ? depthFrom(image) : pictureFrom(image);
-}
-
 std::size_t bytesOf(const cv::Mat& image) { return image.total() * image.elemSize(); }
 
 }  // namespace
@@ -84,7 +72,7 @@ Time MessageImport::timeOf(const MessageHeader& header, const BagMessage& messag
 void MessageImport::addImage(std::size_t side, const BagTopic& topic, const BagMessage& message) {
   const bool is_depth = !is_stereo_ && side == 1;
   MessageHeader header;
-  auto converted = convert(topic, message, is_depth, header);
+  auto converted = convertImage(topic, message.content, is_depth, header);
   if (const auto* reason = std::get_if<std::string>(&converted)) {
     ++summary_.dropped[*reason];
     return;

@@ -8,7 +8,9 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "messages.h"
@@ -43,6 +45,25 @@ struct BagSurvey {
   std::map<std::string, io::CameraInfo> camera_infos;  ///< by topic
   std::map<std::string, std::string> frames;           ///< of the sensors' topics
   TransformTree transforms;
+};
+
+/// Collects what must be known about topics before their messages can be used.
+class Surveyor {
+ public:
+  /// @param topics  those that exist: a camera_info among them is waited for
+  Surveyor(const BagSelection& selection, const std::vector<BagTopic>& topics);
+
+  void use(const BagTopic& topic, std::string_view message);
+  [[nodiscard]] bool hasInfos() const { return missing_infos_.empty(); }
+  /// Whether nothing more can be learnt: all sensors have frames that belong to one tree.
+  [[nodiscard]] bool isComplete() const;
+
+  BagSurvey survey;
+
+ private:
+  std::set<std::string> missing_infos_;
+  std::set<std::string> transform_topics_;
+  std::set<std::string> sensors_;
 };
 
 /// Reads until all is known, or for 10 s of the recording; for camera_info to the end.

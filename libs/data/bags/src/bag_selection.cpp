@@ -59,7 +59,7 @@ class TopicNames {
     const auto topic = std::find_if(topics_.begin(), topics_.end(),
                                     [&](const BagTopic& one) { return one.name == name; });
     if (topic == topics_.end()) {
-      throw InputError("the bag has no topic " + name +
+      throw InputError("there is no topic " + name +
                        "; of its type there are: " + listOf(of(types)));
     }
     if (!isOneOf(topic->type, types)) {
@@ -146,6 +146,7 @@ std::string requiredName(const TopicNames& topics, const std::string& wish,
 }
 
 void selectCamera(const TopicNames& topics, const BagWishes& wishes, BagSelection& selection) {
+  if (wishes.left == kNone && wishes.color == kNone) return;
   auto images = topics.of(kImageTypes);
   std::sort(images.begin(), images.end(), [](const std::string& a, const std::string& b) {
     return preference(a) < preference(b);
@@ -168,7 +169,7 @@ void selectCamera(const TopicNames& topics, const BagWishes& wishes, BagSelectio
   if (!is_stereo && !wants_stereo) guessDepth(images, selection);
   if (!is_stereo && (selection.color.empty() || selection.depth.empty())) {
     throw InputError(
-        "the bag's topics do not tell the camera: give --left and --right, or --color "
+        "the topics do not tell the camera: give --left and --right, or --color "
         "and --depth; images are in: " +
         TopicNames::listOf(images));
   }

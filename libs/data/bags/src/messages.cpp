@@ -230,6 +230,16 @@ NavSatFixMessage decodeNavSatFix(std::string_view content, Encoding encoding) {
   return fix;
 }
 
+PoseMessage decodePose(std::string_view content, Encoding encoding) {
+  WireReader in(content, encoding);
+  PoseMessage message;
+  message.header = headerFrom(in);
+  message.pose = poseFrom(in);
+  (void)in.array<double, 36>();  // covariance
+  in.requireEnd();
+  return message;
+}
+
 std::vector<TransformMessage> decodeTransforms(std::string_view content, Encoding encoding) {
   constexpr std::size_t kMinBytes = 7 * sizeof(double);
   WireReader in(content, encoding);

@@ -137,6 +137,11 @@ struct TransformMessage {
   Pose T_parent_child = Pose::Identity();
 };
 
+struct PoseMessage {
+  MessageHeader header;
+  Pose pose = Pose::Identity();
+};
+
 /// The header with which every message that is used begins.
 [[nodiscard]] MessageHeader decodeHeader(std::string_view content, Encoding encoding);
 [[nodiscard]] ImageMessage decodeImageMessage(std::string_view content, Encoding encoding);
@@ -147,6 +152,8 @@ struct TransformMessage {
 [[nodiscard]] OdometryMessage decodeOdometry(std::string_view content, Encoding encoding);
 [[nodiscard]] LaserScanMessage decodeLaserScan(std::string_view content, Encoding encoding);
 [[nodiscard]] NavSatFixMessage decodeNavSatFix(std::string_view content, Encoding encoding);
+/// Of PoseWithCovarianceStamped.
+[[nodiscard]] PoseMessage decodePose(std::string_view content, Encoding encoding);
 [[nodiscard]] std::vector<TransformMessage> decodeTransforms(std::string_view content,
                                                              Encoding encoding);
 

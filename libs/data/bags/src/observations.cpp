@@ -167,6 +167,18 @@ ConvertedImage depthFrom(const CompressedImageMessage& message) {
   return fromInverseDepth(values, parameters[0], parameters[1]);
 }
 
+ConvertedImage convertImage(const BagTopic& topic, std::string_view message, bool is_depth,
+                            MessageHeader& header) {
+  if (topic.type == "sensor_msgs/CompressedImage") {
+    const auto image = decodeCompressedImage(message, topic.encoding);
+    header = image.header;
+    return is_depth ? depthFrom(image) : pictureFrom(image);
+  }
+  const auto image = decodeImageMessage(message, topic.encoding);
+  header = image.header;
+  return is_depth ? depthFrom(image) : pictureFrom(image);
+}
+
 mrpt::obs::CObservationIMU::Ptr imuObservation(const ImuMessage& message, Time time,
                                                const Pose& T_robot_imu) {
   using namespace mrpt::obs;  // names of the IMU's fields

@@ -29,6 +29,10 @@ using ConvertedImage = std::variant<cv::Mat, std::string>;
 /// Of the transport compressedDepth.
 [[nodiscard]] ConvertedImage depthFrom(const CompressedImageMessage& message);
 
+/// A picture or depth image of either type of message. @throws BrokenData
+[[nodiscard]] ConvertedImage convertImage(const BagTopic& topic, std::string_view message,
+                                          bool is_depth, MessageHeader& header);
+
 // Messages as observations of MRPT. Poses are those of the message's frame on the robot.
 
 /// Samples in the axes of the robot.

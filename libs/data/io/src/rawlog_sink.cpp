@@ -336,20 +336,25 @@ void RawlogSink::writeGnss(const RecordedGnss& sample) {
 }
 
 void RawlogSink::writeLaser(const RecordedScan& scan, const std::string& label) {
-  mrpt::obs::CObservation2DRangeScan observation;
-  observation.timestamp = mrptTime(scan.time);
-  observation.sensorLabel = label;
-  observation.sensorPose = toMrpt(scan.T_robot_laser);
-  observation.aperture = static_cast<float>(scan.aperture_rad);
-  observation.rightToLeft = true;
-  observation.maxRange = static_cast<float>(scan.max_range_m);
-  observation.stdError = static_cast<float>(scan.sigma_m);
-  observation.resizeScan(scan.ranges.size());
+  writer_->write(*laserObservation(scan, label));
+}
+
+std::shared_ptr<mrpt::obs::CObservation2DRangeScan> laserObservation(const RecordedScan& scan,
+                                                                     const std::string& label) {
+  auto observation = mrpt::obs::CObservation2DRangeScan::Create();
+  observation->timestamp = mrptTime(scan.time);
+  observation->sensorLabel = label;
+  observation->sensorPose = toMrpt(scan.T_robot_laser);
+  observation->aperture = static_cast<float>(scan.aperture_rad);
+  observation->rightToLeft = true;
+  observation->maxRange = static_cast<float>(scan.max_range_m);
+  observation->stdError = static_cast<float>(scan.sigma_m);
+  observation->resizeScan(scan.ranges.size());
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    observation.setScanRange(i, scan.ranges[i]);
-    observation.setScanRangeValidity(i, scan.ranges[i] > 0.0F);
+    observation->setScanRange(i, scan.ranges[i]);
+    observation->setScanRangeValidity(i, scan.ranges[i] > 0.0F);
   }
-  writer_->write(observation);
+  return observation;
 }
 
 void RawlogSink::write(const mrpt::obs::CObservation& observation) { writer_->write(observation); }

@@ -93,8 +93,7 @@ void writePly(const std::string& path, const char* about, const char* properties
   file.commit();
 }
 
-// Thresholds and grey levels of ROS' map_server, of the probability that a cell is occupied.
-constexpr double kMaxFree = 0.196, kMinOccupied = 0.65;
+// Grey levels of ROS' map_server.
 enum Grey : std::uint8_t { kOccupied = 0, kUnknown = 205, kFree = 254 };
 
 Grey greyOf(float free_probability) {

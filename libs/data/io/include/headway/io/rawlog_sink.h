@@ -12,7 +12,8 @@
 
 namespace mrpt::obs {
 class CObservation;
-}
+class CObservation2DRangeScan;
+}  // namespace mrpt::obs
 
 namespace headway::io {
 
@@ -40,6 +41,10 @@ struct RecordedScan {
   double sigma_m = 0.0;       ///< standard deviation of the ranges
   std::vector<float> ranges;  ///< [m]; 0 where nothing was measured
 };
+
+/// The scan as an observation.
+[[nodiscard]] std::shared_ptr<mrpt::obs::CObservation2DRangeScan> laserObservation(
+    const RecordedScan& scan, const std::string& label);
 
 /// A position and velocity of a satellite receiver to record.
 struct RecordedGnss {

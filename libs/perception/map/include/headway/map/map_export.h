@@ -14,6 +14,9 @@
 
 namespace headway::map {
 
+/// Thresholds of ROS' map_server, of the probability that a cell is occupied.
+inline constexpr double kMaxFree = 0.196, kMinOccupied = 0.65;
+
 /// Writes an MRPT `.simplemap`: for each keyframe its pose with covariance and its visible
 /// landmarks as points of a CObservation3DRangeScan (label `landmarks`, robot frame).
 ///

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Results of a session as topics of ROS 2.
+#include <headway/core/worker_thread.h>
+#include <headway/io/mrpt_time.h>
+#include <headway/map/map_query.h>
+#include <headway/ros2/topic_sink.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <future>
+#include <mutex>
+
+#include "outgoing_messages.h"
+
+namespace headway::ros2 {
+namespace {
+
+constexpr char kOwnOdometry[] = "headway_odom";  // frame, where the robot has its own odometry
+
+/// The newest frame's odometry, moved on by wheels, or by the gyroscope at constant speed.
+class MotionBridge {
+ public:
+  static constexpr double kMaxBridge_s = 1.0;  // without images: then the odometry stands still
+
+  void setFrame(const OdometrySample& frame) {
+    if (frame_ && frame.stamp.time > frame_->stamp.time) {
+      const double dt = frame.stamp.time - frame_->stamp.time;
+      const Pose step = frame_->T_odom_robot.inverse(Eigen::Isometry) * frame.T_odom_robot;
+      velocity_ = step.translation() / dt;
+      angular_velocity_ = logSo3(step.linear()) / dt;
+    }
+    frame_ = frame;
+    turn_ = Eigen::Matrix3d::Identity();
+    turned_until_ = frame.stamp.time;
+    for (const auto& rate : rates_) turnBy(rate);
+  }
+
+  /// Whether the sample moves the odometry on.
+  bool add(const mrpt::obs::CObservation& observation) {
+    const Time time = io::timeFrom(observation.timestamp);
+    if (const auto* wheels = dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation)) {
+      Pose pose = Pose::Identity();
+      pose.translation().head<2>() << wheels->odometry.x(), wheels->odometry.y();
+      pose.linear() =
+          Eigen::AngleAxisd(wheels->odometry.phi(), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+      keep(wheels_, {time, pose});
+      return true;
+    }
+    const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation);
+    if (imu == nullptr || !imu->has(mrpt::obs::IMU_WX)) return false;
+    keep(rates_, {time, Eigen::Vector3d(imu->get(mrpt::obs::IMU_WX), imu->get(mrpt::obs::IMU_WY),
+                                        imu->get(mrpt::obs::IMU_WZ))});
+    turnBy(rates_.back());
+    return true;
+  }
+
+  /// At the newest sample, or the frame if that is newer; nullopt before the first frame.
+  [[nodiscard]] std::optional<OdometrySample> newest() const {
+    if (!frame_) return std::nullopt;
+    OdometrySample sample = *frame_;
+    sample.velocity = velocity_;
+    sample.angular_velocity = angular_velocity_;
+    const Time start = frame_->stamp.time;
+    const auto at_frame = wheelsAt(start);
+    if (at_frame && wheels_.back().time > start && wheels_.back().time - start < kMaxBridge_s) {
+      const Pose step = at_frame->inverse(Eigen::Isometry) * wheels_.back().value;
+      sample.stamp.time = wheels_.back().time;
+      sample.T_odom_robot = frame_->T_odom_robot * step;
+    } else if (turned_until_ > start && turned_until_ - start < kMaxBridge_s) {
+      sample.stamp.time = turned_until_;
+      sample.T_odom_robot.translation() +=
+          frame_->T_odom_robot.linear() * velocity_ * (turned_until_ - start);
+      sample.T_odom_robot.linear() = frame_->T_odom_robot.linear() * turn_;
+    }
+    return sample;
+  }
+
+ private:
+  template <typename Samples>
+  static void keep(Samples& samples, const typename Samples::value_type& sample) {
+    if (!samples.empty() && sample.time <= samples.back().time) samples.clear();  // set back
+    samples.push_back(sample);
+    while (sample.time - samples.front().time > 2.0 * kMaxBridge_s) samples.pop_front();
+  }
+
+  void turnBy(const Stamped<Eigen::Vector3d>& rate) {
+    if (!frame_ || rate.time <= turned_until_) return;
+    turn_ = turn_ * expSo3(rate.value * (rate.time - turned_until_));
+    turned_until_ = rate.time;
+  }
+
+  [[nodiscard]] std::optional<Pose> wheelsAt(Time time) const {
+    const auto after = std::find_if(wheels_.begin(), wheels_.end(),
+                                    [&](const auto& sample) { return sample.time >= time; });
+    if (after == wheels_.end() || after == wheels_.begin()) return std::nullopt;
+    const auto& a = *(after - 1);
+    const double ratio = (time - a.time) / (after->time - a.time);
+    const Pose step = a.value.inverse(Eigen::Isometry) * after->value;
+    Pose part = Pose::Identity();
+    part.translation() = ratio * step.translation();
+    part.linear() = expSo3(ratio * logSo3(step.linear()));
+    return a.value * part;
+  }
+
+  std::optional<OdometrySample> frame_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();          ///< between frames, robot axes
+  Eigen::Vector3d angular_velocity_ = Eigen::Vector3d::Zero();  ///< the same
+  std::deque<Stamped<Pose>> wheels_;
+  std::deque<Stamped<Eigen::Vector3d>> rates_;
+  Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< since the frame
+  Time turned_until_ = 0.0;
+};
+
+/// A square around the robot, in the odometry frame, of cells that are free at first.
+GridMessage windowAround(const Pose& T_odom_robot, double reach_m, double cell_m,
+                         const MessageStamp& stamp) {
+  GridMessage grid;
+  grid.stamp = stamp;
+  grid.cell_m = cell_m;
+  grid.width = grid.height = 2 * static_cast<std::uint32_t>(std::ceil(reach_m / cell_m));
+  const Eigen::Vector2d corner =
+      T_odom_robot.translation().head<2>().array() - 0.5 * cell_m * grid.width;
+  grid.corner = cell_m * (corner / cell_m).array().round();  // on the grid of the frame
+  grid.cells.assign(static_cast<std::size_t>(grid.width) * grid.height, 0);
+  return grid;
+}
+
+Eigen::Vector2d centreOf(const GridMessage& grid, std::size_t cell) {
+  return grid.corner + grid.cell_m * Eigen::Vector2d(0.5 + static_cast<double>(cell % grid.width),
+                                                     0.5 + static_cast<double>(cell / grid.width));
+}
+
+void setLocalState(const map::LocalLayer& local, Time now, GridMessage& grid) {
+  for (std::size_t i = 0; i < grid.cells.size(); ++i) {
+    const auto state = local.at(centreOf(grid, i), now, map::kCaution);
+    if (state == map::LocalState::kBlocked) grid.cells[i] = 100;
+    if (state == map::LocalState::kUnknown || state == map::LocalState::kNotInView) {
+      grid.cells[i] = -1;
+    }
+  }
+}
+
+/// The probability that any object is at each cell, in percent.
+void setOccupancy(const std::vector<map::Obstacle>& obstacles, GridMessage& grid) {
+  constexpr double kReachSigmas = 3.0;  // beyond them less than a percent is left
+  std::vector<double> of_track(grid.cells.size(), 0.0), none(grid.cells.size(), 1.0);
+  const auto end_track = [&] {
+    for (std::size_t i = 0; i < none.size(); ++i) {
+      none[i] *= 1.0 - std::min(of_track[i], 1.0);
+      of_track[i] = 0.0;
+    }
+  };
+  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+    const map::Obstacle& obstacle = obstacles[k];
+    if (k > 0 && !(obstacles[k - 1].id == obstacle.id)) end_track();
+    const double reach = obstacle.shape.radius() +
+                         kReachSigmas * std::sqrt(obstacle.covariance.diagonal().maxCoeff());
+    const auto region = map::contactRegion({}, 0.0, obstacle.shape, obstacle.yaw);
+    const Eigen::Array2i first = ((obstacle.centre - grid.corner).array() - reach)
+                                     .max(0.0)
+                                     .cwiseQuotient(Eigen::Array2d::Constant(grid.cell_m))
+                                     .cast<int>();
+    for (std::size_t y = first.y(); y < grid.height; ++y) {
+      for (std::size_t x = first.x(); x < grid.width; ++x) {
+        const std::size_t i = y * grid.width + x;
+        const Eigen::Vector2d offset = obstacle.centre - centreOf(grid, i);
+        if (offset.x() < -reach || offset.y() < -reach) break;
+        of_track[i] +=
+            obstacle.probability * map::probabilityInside(region, offset, obstacle.covariance);
+      }
+    }
+  }
+  end_track();
+  for (std::size_t i = 0; i < none.size(); ++i) {
+    grid.cells[i] = static_cast<std::int8_t>(std::lround(100.0 * (1.0 - none[i])));
+  }
+}
+
+/// Centres of blocked cells in the robot's frame, one cell above its origin.
+std::vector<Eigen::Vector3f> blockedAround(const map::LocalLayer& local, Time now,
+                                           const Pose& T_odom_robot) {
+  std::vector<Eigen::Vector3f> points;
+  const double z = T_odom_robot.translation().z() + local.cell_m();
+  const Pose T_robot_odom = T_odom_robot.inverse(Eigen::Isometry);
+  for (const auto& place : local.blocked(now, map::kCaution)) {
+    points.push_back((T_robot_odom * Eigen::Vector3d(place.x(), place.y(), z)).cast<float>());
+  }
+  return points;
+}
+
+DiagnosticLine localisationLine(const run::FrameResult& result) {
+  const auto& camera = result.update.camera;
+  DiagnosticLine line;
+  line.name = "headway: localisation";
+  line.message = slam::toString(camera.status);
+  line.level = camera.status == slam::TrackingStatus::kTracked ? DiagnosticLine::kOk
+               : slam::isTracked(camera.status)                ? DiagnosticLine::kWarn
+                                                               : DiagnosticLine::kError;
+  const auto ms = [](double s) { return std::to_string(std::lround(1e3 * s)); };
+  line.values = {{"submap", std::to_string(camera.submap)},
+                 {"landmarks", std::to_string(camera.inliers)},
+                 {"frames", std::to_string(result.frames)},
+                 {"frames dropped", std::to_string(result.source.dropped)},
+                 {"processing [ms]", ms(result.process_s())},
+                 {"image to results [ms]", ms(result.end_s - result.arrival_s)},
+                 {"left out", result.left_out}};
+  return line;
+}
+
+DiagnosticLine inputLine(const Warnings& warnings) {
+  DiagnosticLine line;
+  line.name = "headway: input";
+  line.message = warnings.empty() ? "no warnings" : warnings.begin()->second.text;
+  line.level = warnings.empty() ? DiagnosticLine::kOk : DiagnosticLine::kWarn;
+  for (const auto& [name, warning] : warnings) {
+    line.values.emplace_back(name, std::to_string(warning.count) + ": " + warning.text);
+  }
+  return line;
+}
+
+}  // namespace
+
+class TopicSink::Implementation {
+ public:
+  Implementation(Node& node, const Ros2SinkParams& params, Hooks hooks)
+      : params_(params),
+        hooks_(std::move(hooks)),
+        odometry_frame_(params.odom_base ? params.odom_frame : kOwnOdometry) {
+    const auto own = [&](const char* name, const char* type, double hz) {
+      return Topic{node.advertise(params.prefix + name, type, {}), hz};
+    };
+    if (params.map_odom || params.odom_base) {
+      transforms_ = node.advertise("/tf", "tf2_msgs/TFMessage", {true, false, 100});
+    }
+    odometry_ = own("/odometry", "nav_msgs/Odometry", params.odometry_hz);
+    if (params.clock) clock_ = node.advertise("/clock", "rosgraph_msgs/Clock", {});
+    map_ = {node.advertise("/map", "nav_msgs/OccupancyGrid", {true, true, 1}), params.map_hz};
+    local_ = own("/local_costmap", "nav_msgs/OccupancyGrid", params.local_costmap_hz);
+    obstacles_ = own("/obstacles", "sensor_msgs/PointCloud2", params.obstacles_hz);
+    dense_ = own("/dense_map", "sensor_msgs/PointCloud2", params.dense_map_hz);
+    detections_ = own("/detections", "vision_msgs/Detection3DArray", params.tracks_hz);
+    moving_ = own("/moving_obstacles", "nav2_dynamic_msgs/ObstacleArray", params.tracks_hz);
+    markers_ = own("/markers", "visualization_msgs/MarkerArray", params.markers_hz);
+    for (int ms = 500; ms <= 3000; ms += 500) {
+      const std::string name = "/predicted_" + std::to_string(ms) + "ms";
+      predicted_.push_back(own(name.c_str(), "nav_msgs/OccupancyGrid", params.predicted_hz));
+    }
+    diagnostics_ = {node.advertise("/diagnostics", "diagnostic_msgs/DiagnosticArray", {}),
+                    params.diagnostics_hz};
+  }
+
+  void onFrame(const run::FrameResult& result, const pipeline::Perception& perception) {
+    publishPose(result.update);
+    publishNow(result, perception);
+    publishMaps(result, perception.map());
+  }
+
+  void addObservation(const mrpt::obs::CObservation& observation) {
+    const Time time = io::timeFrom(observation.timestamp);
+    const std::lock_guard lock(mutex_);
+    if (params_.clock && time > clock_time_) {
+      clock_time_ = time;
+      (void)clock_.publish(clockMessage(time));
+    }
+    if (!bridge_.add(observation) || params_.odometry_hz <= 0.0) return;
+    const auto sample = bridge_.newest();
+    if (sample && sample->stamp.time >= odometry_.last + 1.0 / params_.odometry_hz) send(*sample);
+  }
+
+ private:
+  struct Topic {
+    Publication publication;
+    double hz = 0.0;
+    Time last = 0.0;  ///< of the newest message
+
+    /// Whether a message is to be made now.
+    bool isDue(Time time) {
+      const bool is_early = time >= last && time - last < 0.9 / std::max(hz, 1e-3);
+      if (hz <= 0.0 || is_early || !publication.hasSubscribers()) return false;
+      last = time;
+      return true;
+    }
+  };
+
+  // Poses, by the threads that bring them ------------------------------------------------------
+
+  void publishPose(const pipeline::PerceptionUpdate& update) {
+    const auto& camera = update.camera;
+    OdometrySample frame;
+    frame.stamp = {update.time, odometry_frame_};
+    frame.child = params_.robot_frame;
+    frame.T_odom_robot = camera.T_odom_robot;
+    frame.covariance = camera.covariance;
+    std::optional<Pose> others;
+    if (!params_.odom_base && hooks_.others_odometry) {
+      others = hooks_.others_odometry(update.time);
+    }
+    const std::lock_guard lock(mutex_);
+    // A pose that is doubtful or in another submap says nothing about the map.
+    const bool is_in_map = camera.submap == 0 && (camera.status == slam::TrackingStatus::kTracked ||
+                                                  camera.status == slam::TrackingStatus::kLost);
+    T_map_odom_.reset();
+    T_map_others_.reset();
+    if (is_in_map) T_map_odom_ = camera.T_map_odom;
+    if (is_in_map && others) {
+      T_map_others_ = normalized(camera.T_map_robot * others->inverse(Eigen::Isometry));
+    }
+    bridge_.setFrame(frame);
+    const bool is_set_back = update.time < odometry_.last - MotionBridge::kMaxBridge_s;
+    if (is_set_back) odometry_.last = 0.0;
+    const auto sample = bridge_.newest();
+    if (sample && sample->stamp.time > odometry_.last) send(*sample);
+  }
+
+  /// Odometry and transforms. mutex_ is locked.
+  void send(const OdometrySample& sample) {
+    odometry_.last = sample.stamp.time;
+    if (odometry_.hz > 0.0 && odometry_.publication.hasSubscribers()) {
+      (void)odometry_.publication.publish(odometryMessage(sample));
+    }
+    std::vector<StampedTransform> transforms;
+    const MessageStamp in_map{sample.stamp.time, params_.map_frame};
+    if (params_.map_odom && T_map_odom_) {
+      transforms.push_back(
+          {in_map, params_.odom_frame, T_map_others_ ? *T_map_others_ : *T_map_odom_});
+      if (!params_.odom_base) transforms.push_back({in_map, kOwnOdometry, *T_map_odom_});
+    }
+    if (params_.odom_base) {
+      transforms.push_back({sample.stamp, params_.robot_frame, sample.T_odom_robot});
+    }
+    if (!transforms.empty() && transforms_.hasSubscribers()) {
+      (void)transforms_.publish(transformMessage(transforms));
+    }
+  }
+
+  // Everything else, by the sink's threads -----------------------------------------------------
+
+  void publishNow(const run::FrameResult& result, const pipeline::Perception& perception) {
+    if (now_done_.valid() && !isReady(now_done_)) return;
+    const Time time = result.update.time;
+    std::vector<Topic*> due;
+    for (Topic* topic : {&obstacles_, &detections_, &moving_, &local_, &markers_}) {
+      if (topic->isDue(time)) due.push_back(topic);
+    }
+    for (Topic& topic : predicted_) {
+      if (topic.isDue(time)) due.push_back(&topic);
+    }
+    std::vector<DiagnosticLine> health;
+    if (diagnostics_.isDue(time)) {
+      Warnings warnings = perception.warnings();
+      warnings.insert(result.source.warnings.begin(), result.source.warnings.end());
+      health = {localisationLine(result), inputLine(warnings)};
+    }
+    if (due.empty() && health.empty()) return;
+    now_done_ = now_.run([this, due, health, map = perception.map(), time,
+                          tracks = result.update.tracks_odom,
+                          T_odom_robot = result.update.camera.T_odom_robot]() mutable {
+      for (Topic* topic : due) {
+        auto message = messageOf(topic, map, time, tracks, T_odom_robot);
+        if (!message.empty()) (void)topic->publication.publish(std::move(message));
+      }
+      if (health.empty()) return;
+      if (hooks_.sensors) {
+        for (auto& line : hooks_.sensors()) health.push_back(std::move(line));
+      }
+      (void)diagnostics_.publication.publish(diagnosticMessage(time, health));
+    });
+  }
+
+  /// Empty if there is nothing to say.
+  std::string messageOf(const Topic* topic, const map::PerceptionMap& map, Time time,
+                        const std::vector<Track>& tracks, const Pose& T_odom_robot) const {
+    const MessageStamp stamp{time, odometry_frame_};
+    if (topic == &detections_) return detectionMessage(stamp, tracks);
+    if (topic == &moving_) return obstacleMessage(stamp, tracks);
+    if (topic == &markers_) return markerMessage(stamp, tracks);
+    const auto local = map.local();
+    if (local == nullptr) return "";
+    if (topic == &obstacles_) {
+      return cloudMessage({time, params_.robot_frame}, blockedAround(*local, time, T_odom_robot));
+    }
+    if (topic == &local_) {
+      auto grid = windowAround(T_odom_robot, local->reach_m(), local->cell_m(), stamp);
+      setLocalState(*local, time, grid);
+      return gridMessage(grid);
+    }
+    const double horizon_s = 0.5 * static_cast<double>(1 + (topic - predicted_.data()));
+    auto grid = windowAround(T_odom_robot, local->reach_m(), 2.0 * local->cell_m(), stamp);
+    setOccupancy(map.inOdometryAt(time).obstaclesAt(time + horizon_s).items, grid);
+    return gridMessage(grid);
+  }
+
+  void publishMaps(const run::FrameResult& result, const map::PerceptionMap& map) {
+    if (maps_done_.valid() && !isReady(maps_done_)) return;
+    const MessageStamp stamp{result.update.time, params_.map_frame};
+    const auto grid = map.staticGrid();
+    const auto dense = map.dense();
+    const bool has_grid = grid != nullptr && grid != last_grid_ && map_.isDue(stamp.time);
+    const bool has_dense = dense != nullptr && dense != last_dense_ && dense_.isDue(stamp.time);
+    if (has_grid) last_grid_ = grid;
+    if (has_dense) last_dense_ = dense;
+    if (!has_grid && !has_dense) return;
+    maps_done_ = maps_.run([this, stamp, grid, dense, has_grid, has_dense] {
+      if (has_grid) (void)map_.publication.publish(gridMessage(stamp, *grid));
+      if (has_dense) (void)dense_.publication.publish(cloudMessage(stamp, *dense));
+    });
+  }
+
+  const Ros2SinkParams params_;
+  const Hooks hooks_;
+  const std::string odometry_frame_;
+
+  std::mutex mutex_;
+  MotionBridge bridge_;                            // guarded by mutex_, like the members below
+  std::optional<Pose> T_map_odom_, T_map_others_;  ///< of the newest frame, if they are known
+  Topic odometry_;
+  Publication transforms_, clock_;
+  Time clock_time_ = 0.0;
+
+  Topic map_, local_, obstacles_, dense_, detections_, moving_, markers_, diagnostics_;
+  std::vector<Topic> predicted_;  ///< at 0.5 s, 1 s, ...
+  std::shared_ptr<const mrpt::maps::COccupancyGridMap2D> last_grid_;
+  std::shared_ptr<const mrpt::maps::CColouredPointsMap> last_dense_;
+  std::future<void> now_done_, maps_done_;
+  WorkerThread now_, maps_{WorkerThread::Priority::kBackground};  ///< last: they use the others
+};
+
+TopicSink::TopicSink(Node& node, const Ros2SinkParams& params, Hooks hooks)
+    : implementation_(std::make_unique<Implementation>(node, params, std::move(hooks))) {}
+
+TopicSink::~TopicSink() = default;
+
+void TopicSink::onFrame(const run::FrameResult& result, pipeline::Perception& perception) {
+  implementation_->onFrame(result, perception);
+}
+
+void TopicSink::addObservation(const mrpt::obs::CObservation& observation) {
+  implementation_->addObservation(observation);
+}
+
+}  // namespace headway::ros2

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages to and from another implementation of DDS: names, types, quality of service, fields.
+#include <gmock/gmock.h>
+#include <headway/ros2/node.h>
+#include <headway_test/waiting.h>
+#include <headway_test/walking_track.h>
+#include <mrpt/maps/CColouredPointsMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <thread>
+
+#include "fast_dds_peer.h"
+#include "messages.h"
+#include "outgoing_messages.h"
+
+namespace headway::ros2 {
+namespace {
+
+using test::FastDdsPeer;
+using test::PeerQos;
+using test::waitUntil;
+
+constexpr Time kTime = 1'700'000'000.25;
+
+class NodeTest : public ::testing::Test {
+ protected:
+  NodeTest() : domain_(test::domainOfThisTest()), peer_(domain_) {
+    setenv("ROS_LOCALHOST_ONLY", "1", 1);
+    node_.emplace(NodeOptions{"headway", domain_, ""});
+  }
+
+  /// Sends a message until the peer has it.
+  template <typename PubSubType>
+  typename PubSubType::type received(const std::string& topic, const std::string& type,
+                                     const std::string& message, const Qos& qos = {}) {
+    std::mutex mutex;
+    std::optional<typename PubSubType::type> result;
+    const auto reader =
+        peer_.reader<PubSubType>("rt" + topic, {qos.is_reliable, qos.is_transient_local, 10},
+                                 [&](const typename PubSubType::type& sample) {
+                                   const std::lock_guard lock(mutex);
+                                   result = sample;
+                                 });
+    const Publication publication = node_->advertise(topic, type, qos);
+    EXPECT_TRUE(waitUntil([&] { return publication.hasSubscribers() && reader->matched() > 0; }))
+        << topic;
+    EXPECT_TRUE(publication.publish(message)) << topic;
+    EXPECT_TRUE(waitUntil([&] {
+      const std::lock_guard lock(mutex);
+      return result.has_value();
+    })) << topic;
+    const std::lock_guard lock(mutex);
+    return result.value_or(typename PubSubType::type());
+  }
+
+  int domain_;
+  FastDdsPeer peer_;
+  std::optional<Node> node_;
+};
+
+const MessageStamp kStamp{kTime, "odom"};
+
+template <typename Header>
+void expectStamp(const Header& header, const std::string& frame) {
+  EXPECT_EQ(header.stamp().sec(), 1'700'000'000);
+  EXPECT_EQ(header.stamp().nanosec(), 250'000'000U);
+  EXPECT_EQ(header.frame_id(), frame);
+}
+
+TEST_F(NodeTest, AnotherImplementationReadsPosesAndTransforms) {
+  Pose pose = Pose::Identity();
+  pose.translation() << 1.0, 2.0, 3.0;
+  pose.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto tf = received<tf2_msgs::msg::dds_::TFMessage_PubSubType>(
+      "/tf", "tf2_msgs/TFMessage", transformMessage({{kStamp, "base_link", pose}}),
+      {true, false, 100});
+  ASSERT_EQ(tf.transforms().size(), 1U);
+  expectStamp(tf.transforms()[0].header(), "odom");
+  EXPECT_EQ(tf.transforms()[0].child_frame_id(), "base_link");
+  EXPECT_EQ(tf.transforms()[0].transform().translation().y(), 2.0);
+  EXPECT_NEAR(tf.transforms()[0].transform().rotation().z(), std::sqrt(0.5), 1e-12);
+
+  OdometrySample sample;
+  sample.stamp = kStamp;
+  sample.child = "base_link";
+  sample.T_odom_robot = pose;
+  sample.velocity = {0.5, 0.0, 0.0};
+  sample.covariance(0, 0) = 4.0;  // along the robot, which looks along y
+  sample.covariance(5, 5) = 0.25;
+  const auto odometry = received<nav_msgs::msg::dds_::Odometry_PubSubType>(
+      "/odometry", "nav_msgs/Odometry", odometryMessage(sample));
+  expectStamp(odometry.header(), "odom");
+  EXPECT_EQ(odometry.child_frame_id(), "base_link");
+  EXPECT_EQ(odometry.pose().pose().position().z(), 3.0);
+  EXPECT_NEAR(odometry.pose().covariance()[7], 4.0, 1e-12);
+  EXPECT_NEAR(odometry.pose().covariance()[35], 0.25, 1e-12);
+  EXPECT_EQ(odometry.twist().twist().linear().x(), 0.5);
+
+  const auto clock = received<rosgraph_msgs::msg::dds_::Clock_PubSubType>(
+      "/clock", "rosgraph_msgs/Clock", clockMessage(kTime));
+  EXPECT_EQ(clock.clock().nanosec(), 250'000'000U);
+}
+
+TEST_F(NodeTest, AnotherImplementationReadsGridsAndClouds) {
+  mrpt::maps::COccupancyGridMap2D grid(0.0F, 0.3F, -0.2F, 0.0F, 0.1F);
+  grid.setCell(0, 0, 0.9F);  // free
+  grid.setCell(2, 1, 0.1F);  // occupied
+  const auto map = received<nav_msgs::msg::dds_::OccupancyGrid_PubSubType>(
+      "/map", "nav_msgs/OccupancyGrid", gridMessage({kTime, "map"}, grid), {true, true, 1});
+  expectStamp(map.header(), "map");
+  EXPECT_NEAR(map.info().resolution(), 0.1F, 1e-6F);
+  ASSERT_EQ(map.data().size(), map.info().width() * map.info().height());
+  EXPECT_NEAR(map.info().origin().position().y(), grid.getYMin(), 1e-6);
+  EXPECT_EQ(map.data()[0], 0);
+  EXPECT_EQ(map.data()[map.info().width() + 2], 100);
+  EXPECT_EQ(map.data()[1], 255);  // -1: unknown
+
+  const auto cloud = received<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(
+      "/obstacles", "sensor_msgs/PointCloud2", cloudMessage(kStamp, {{1.0F, 2.0F, 3.0F}}));
+  expectStamp(cloud.header(), "odom");
+  EXPECT_EQ(cloud.width(), 1U);
+  ASSERT_EQ(cloud.fields().size(), 3U);
+  EXPECT_EQ(cloud.fields()[1].name(), "y");
+  EXPECT_EQ(cloud.fields()[1].offset(), 4U);
+  EXPECT_EQ(cloud.fields()[1].datatype(), 7);
+  ASSERT_EQ(cloud.data().size(), 12U);
+  float y = 0.0F;
+  std::memcpy(&y, &cloud.data()[4], sizeof y);
+  EXPECT_EQ(y, 2.0F);
+  EXPECT_TRUE(cloud.is_dense());
+
+  mrpt::maps::CColouredPointsMap points;
+  points.insertPointRGB(1.0F, 2.0F, 3.0F, 1.0F, 0.0F, 0.2F);
+  const auto dense = received<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(
+      "/dense_map", "sensor_msgs/PointCloud2", cloudMessage(kStamp, points));
+  ASSERT_EQ(dense.data().size(), 16U);
+  EXPECT_EQ(dense.fields()[3].name(), "rgb");
+  EXPECT_EQ(dense.data()[14], 255);
+  EXPECT_EQ(dense.data()[12], 51);
+}
+
+TEST_F(NodeTest, AnotherImplementationReadsTracks) {
+  auto track = test::walkingTrack(7, {1.0, 2.0}, {0.0, 1.5}, 0.1);
+  track.score = 0.75;
+  track.velocity_covariance << 0.5, 0.0, 0.0, 0.25;
+  auto hidden = track;
+  hidden.status = TrackStatus::kTentative;
+  const auto detections = received<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(
+      "/detections", "vision_msgs/Detection3DArray", detectionMessage(kStamp, {track, hidden}));
+  ASSERT_EQ(detections.detections().size(), 1U);
+  const auto& detection = detections.detections()[0];
+  expectStamp(detection.header(), "odom");
+  EXPECT_EQ(detection.id(), "7");
+  EXPECT_EQ(detection.results()[0].hypothesis().class_id(), "Pedestrian");
+  EXPECT_EQ(detection.results()[0].hypothesis().score(), 0.75);
+  EXPECT_EQ(detection.bbox().center().position().y(), 2.0);
+  EXPECT_EQ(detection.bbox().size().z(), 1.7);
+  EXPECT_NEAR(detection.results()[0].pose().covariance()[14], 0.01, 1e-12);
+
+  const auto obstacles = received<nav2_dynamic_msgs::msg::dds_::ObstacleArray_PubSubType>(
+      "/moving_obstacles", "nav2_dynamic_msgs/ObstacleArray", obstacleMessage(kStamp, {track}));
+  ASSERT_EQ(obstacles.obstacles().size(), 1U);
+  const auto& obstacle = obstacles.obstacles()[0];
+  EXPECT_EQ(obstacle.uuid().uuid()[15], 7);
+  EXPECT_EQ(obstacle.velocity().y(), 1.5);
+  EXPECT_EQ(obstacle.velocity_covariance()[4], 0.25);
+  EXPECT_NEAR(obstacle.position_covariance()[0], 0.01, 1e-12);
+  EXPECT_EQ(obstacle.size().z(), 1.7);
+
+  const auto markers = received<visualization_msgs::msg::dds_::MarkerArray_PubSubType>(
+      "/markers", "visualization_msgs/MarkerArray", markerMessage(kStamp, {track}));
+  ASSERT_EQ(markers.markers().size(), 3U);
+  EXPECT_EQ(markers.markers()[0].type(), 1);
+  EXPECT_EQ(markers.markers()[0].scale().z(), 1.7);
+  EXPECT_EQ(markers.markers()[1].text(), "Pedestrian 7");
+  EXPECT_EQ(markers.markers()[2].points().size(), 31U);
+  EXPECT_NEAR(markers.markers()[2].points()[30].y(), 6.5, 1e-9);
+  EXPECT_EQ(markers.markers()[0].lifetime().nanosec(), 500'000'000U);
+}
+
+TEST_F(NodeTest, AnotherImplementationReadsHealthAndSeesTheNode) {
+  const auto health = received<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
+      "/diagnostics", "diagnostic_msgs/DiagnosticArray",
+      diagnosticMessage(kTime, {{DiagnosticLine::kWarn, "input", "dark", {{"frames", "3"}}}}));
+  ASSERT_EQ(health.status().size(), 1U);
+  EXPECT_EQ(health.status()[0].level(), 1);
+  EXPECT_EQ(health.status()[0].name(), "input");
+  EXPECT_EQ(health.status()[0].values()[0].value(), "3");
+
+  std::mutex mutex;
+  std::vector<std::string> nodes;
+  std::size_t publications = 0;
+  const auto reader = peer_.reader<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
+      "ros_discovery_info", {true, true, 1}, [&](const auto& info) {
+        const std::lock_guard lock(mutex);
+        nodes.clear();
+        for (const auto& node : info.node_entities_info_seq()) {
+          nodes.push_back(node.node_namespace().to_string() + node.node_name().to_string());
+          publications = node.writer_gid_seq().size();
+        }
+      });
+  EXPECT_TRUE(waitUntil([&] {
+    const std::lock_guard lock(mutex);
+    return !nodes.empty();
+  }));
+  EXPECT_THAT(nodes, ::testing::ElementsAre("/headway"));
+  EXPECT_EQ(publications, 1U);
+}
+
+TEST_F(NodeTest, GidsHaveTheSizeOfTheOtherNodes) {
+  std::string announcement("\0\1\0\0", 4);  // of a participant of Humble without nodes
+  announcement.append(24, '\x01').append(4, '\0');
+  const auto writer = peer_.bytesWriter(
+      "ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", {true, true, 1});
+  std::mutex mutex;
+  std::string last;
+  FastDdsPeer other(domain_);
+  const auto reader =
+      other.bytesReader("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+                        {true, true, 1}, [&](const std::string& message) {
+                          const std::lock_guard lock(mutex);
+                          if (message.find("headway") != std::string::npos) last = message;
+                        });
+  ASSERT_TRUE(writer->write(&announcement));
+  // 4 bytes before the message, its gid, the number of nodes, the name space "/" and its padding.
+  const auto offsetOfName = [&] {
+    node_->spin(0.01);
+    const std::lock_guard lock(mutex);
+    return last.find("headway");
+  };
+  EXPECT_TRUE(waitUntil([&] { return offsetOfName() == 4 + 24 + 4 + 8 + 4; }));
+}
+
+TEST_F(NodeTest, ReadsWhatAnotherImplementationSends) {
+  const auto writer = peer_.writer<sensor_msgs::msg::dds_::Image_PubSubType>("rt/camera/image_raw");
+  const auto loose = peer_.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu", {false});
+  std::vector<PublishedTopic> topics;
+  ASSERT_TRUE(waitUntil([&] {
+    node_->spin(0.01);
+    topics = node_->published();
+    return topics.size() == 2;
+  }));
+  EXPECT_EQ(topics[0].name, "/camera/image_raw");
+  EXPECT_EQ(topics[0].type, "sensor_msgs/Image");
+  EXPECT_TRUE(topics[0].is_reliable);
+  EXPECT_FALSE(topics[0].is_transient_local);
+  EXPECT_FALSE(topics[1].is_reliable);
+
+  std::vector<std::string> received;
+  node_->subscribe("/camera/image_raw", "sensor_msgs/Image", {},
+                   [&](std::string_view message) { received.emplace_back(message); });
+  sensor_msgs::msg::dds_::Image_ image;
+  image.header().stamp().sec(12);
+  image.header().frame_id("camera");
+  image.height(720);
+  image.width(1280);
+  image.encoding("mono8");
+  image.step(1280);
+  image.data().assign(1280UL * 720UL, 7);
+  ASSERT_TRUE(waitUntil([&] { return writer->matched() > 0; }));
+  ASSERT_TRUE(writer->write(&image));
+  ASSERT_TRUE(waitUntil([&] {
+    node_->spin(0.01);
+    return !received.empty();
+  }));
+  const auto decoded = bags::decodeImageMessage(received[0], bags::Encoding::kCdr);
+  EXPECT_EQ(decoded.header.frame, "camera");
+  EXPECT_EQ(decoded.header.time_ns, 12'000'000'000);
+  EXPECT_EQ(decoded.data.size(), 1280UL * 720UL);
+  EXPECT_EQ(decoded.data.back(), 7);
+}
+
+TEST_F(NodeTest, AReliableSubscriptionDoesNotMatchALooserPublication) {
+  const auto loose = peer_.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu", {false});
+  node_->subscribe("/imu", "sensor_msgs/Imu", {}, [](std::string_view) {});
+  EXPECT_TRUE(waitUntil([&] { return node_->mismatches("/imu") > 0; }));
+}
+
+TEST_F(NodeTest, ASubscriberThatDoesNotReadBlocksNobody) {
+  const Publication publication = node_->advertise("/dense", "sensor_msgs/PointCloud2", {});
+  EXPECT_FALSE(publication.hasSubscribers());
+  std::atomic<bool> blocks{true};
+  const auto reader = peer_.reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(
+      "rt/dense", {}, [&](const auto&) {
+        while (blocks) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      });
+  ASSERT_TRUE(waitUntil([&] { return publication.hasSubscribers(); }));
+  const std::vector<Eigen::Vector3f> points(100000);
+  const auto start = std::chrono::steady_clock::now();
+  for (int i = 0; i < 30; ++i) (void)publication.publish(cloudMessage(kStamp, points));
+  const auto duration = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(duration, std::chrono::seconds(10));  // most of it is the loopback's
+  blocks = false;
+}
+
+TEST(NodeOptionsTest, WrongDomainsAndInterfacesAreInputErrors) {
+  setenv("ROS_DOMAIN_ID", "233", 1);
+  EXPECT_ANY_THROW(Node(NodeOptions{}));
+  setenv("ROS_DOMAIN_ID", "x", 1);
+  EXPECT_ANY_THROW(Node(NodeOptions{}));
+  unsetenv("ROS_DOMAIN_ID");
+  EXPECT_ANY_THROW(Node(NodeOptions{"headway", test::domainOfThisTest(), "no_such_interface"}));
+  EXPECT_ANY_THROW(Node(NodeOptions{"headway", test::domainOfThisTest(), "x\"/><evil"}));
+}
+
+}  // namespace
+}  // namespace headway::ros2

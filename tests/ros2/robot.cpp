@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot that plays a rawlog as its sensors, by another implementation of DDS.
+#include "robot.h"
+
+#include <headway/core/mrpt_pose.h>
+#include <headway/core/recorded_frame.h>
+#include <headway/io/detection_observation.h>
+#include <headway/io/mrpt_time.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <set>
+#include <thread>
+
+namespace headway::test {
+namespace {
+
+using namespace mrpt::obs;
+using CameraInfo = sensor_msgs::msg::dds_::CameraInfo_;
+using Transform = geometry_msgs::msg::dds_::TransformStamped_;
+
+template <typename Header>
+void setHeader(Time time, const std::string& frame, Header& header) {
+  const auto ns = static_cast<std::int64_t>(std::llround(time * 1e9));
+  header.stamp().sec(static_cast<std::int32_t>(ns / 1'000'000'000));
+  header.stamp().nanosec(static_cast<std::uint32_t>(ns % 1'000'000'000));
+  header.frame_id(frame);
+}
+
+CameraInfo infoOf(const mrpt::img::TCamera& camera, double baseline_m) {
+  CameraInfo info;
+  info.width(camera.ncols);
+  info.height(camera.nrows);
+  info.distortion_model("plumb_bob");
+  for (const std::size_t i : {0, 1, 2, 3, 4}) info.d().push_back(camera.dist[i]);
+  info.k({camera.fx(), 0.0, camera.cx(), 0.0, camera.fy(), camera.cy(), 0.0, 0.0, 1.0});
+  info.r({1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
+  info.p({camera.fx(), 0.0, camera.cx(), -baseline_m * camera.fx(), 0.0, camera.fy(), camera.cy(),
+          0.0, 0.0, 0.0, 1.0, 0.0});
+  return info;
+}
+
+Transform transformOf(Time time, const std::string& parent, const std::string& child,
+                      const Pose& pose) {
+  Transform transform;
+  setHeader(time, parent, transform.header());
+  transform.child_frame_id(child);
+  auto& place = transform.transform().translation();
+  place.x(pose.translation().x());
+  place.y(pose.translation().y());
+  place.z(pose.translation().z());
+  const Eigen::Quaterniond q = quaternionOf(pose);
+  auto& rotation = transform.transform().rotation();
+  rotation.x(q.x());
+  rotation.y(q.y());
+  rotation.z(q.z());
+  rotation.w(q.w());
+  return transform;
+}
+
+}  // namespace
+
+class Robot::Implementation {
+ public:
+  Implementation(Robot& robot, FastDdsPeer& peer, std::string rawlog, bool is_compressed,
+                 double shift_s)
+      : robot_(robot),
+        peer_(peer),
+        rawlog_(std::move(rawlog)),
+        is_compressed_(is_compressed),
+        shift_s_(shift_s) {
+    io::registerClasses();
+    using namespace sensor_msgs::msg::dds_;
+    const auto open = [&](auto type, const std::string& topic, const PeerQos& qos = {}) {
+      writers_[topic] = peer_.writer<decltype(type)>("rt" + topic, qos);
+    };
+    open(tf2_msgs::msg::dds_::TFMessage_PubSubType(), "/tf", {true, false, 100});
+    open(tf2_msgs::msg::dds_::TFMessage_PubSubType(), "/tf_static", {true, true, 1});
+    std::size_t count = 0;
+    forEach([&](const CObservation& observation) {
+      if (dynamic_cast<const CObservationStereoImages*>(&observation) &&
+          !has("/left/camera_info")) {
+        open(CameraInfo_PubSubType(), "/left/camera_info");
+        open(CameraInfo_PubSubType(), "/right/camera_info");
+        if (is_compressed_) {
+          open(CompressedImage_PubSubType(), "/left/image/compressed");
+          open(CompressedImage_PubSubType(), "/right/image/compressed");
+        } else {
+          open(Image_PubSubType(), "/left/image");
+          open(Image_PubSubType(), "/right/image");
+        }
+      } else if (dynamic_cast<const CObservation3DRangeScan*>(&observation) &&
+                 !has("/color/image")) {
+        open(CameraInfo_PubSubType(), "/color/camera_info");
+        open(CameraInfo_PubSubType(), "/depth/camera_info");
+        open(Image_PubSubType(), "/color/image");
+        open(Image_PubSubType(), "/depth/image");
+      } else if (dynamic_cast<const CObservationIMU*>(&observation) && !has("/imu")) {
+        open(Imu_PubSubType(), "/imu", {true, false, 100});
+      } else if (dynamic_cast<const CObservationOdometry*>(&observation) && !has("/odom")) {
+        open(nav_msgs::msg::dds_::Odometry_PubSubType(), "/odom", {true, false, 100});
+      } else if (dynamic_cast<const CObservation2DRangeScan*>(&observation) && !has("/scan")) {
+        open(LaserScan_PubSubType(), "/scan");
+      }
+      return ++count < 200;  // each sensor occurs in the beginning
+    });
+  }
+
+  [[nodiscard]] bool isWatched() const {
+    std::size_t watched = 0;
+    for (const auto& [topic, writer] : writers_) {
+      if (topic.find("image") != std::string::npos && writer->matched() > 0) ++watched;
+    }
+    return watched >= 2;
+  }
+
+  std::size_t play(double factor, const std::atomic<bool>& stop) {
+    std::optional<Time> first;
+    double start_s = 0.0;
+    std::size_t frames = 0;
+    forEach([&](const CObservation& observation) {
+      const Time recorded = io::timeFrom(observation.timestamp);
+      if (!first) start_s = monotonicSeconds();
+      if (!first) first = recorded;
+      while (!stop && monotonicSeconds() - start_s < (recorded - *first) / factor) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      if (send(observation, recorded + shift_s_)) ++frames;
+      return !stop;
+    });
+    return frames;
+  }
+
+  std::map<std::string, std::size_t> sent;
+
+ private:
+  [[nodiscard]] bool has(const std::string& topic) const { return writers_.count(topic) > 0; }
+
+  template <typename Use>
+  void forEach(const Use& use) {
+    mrpt::io::CFileGZInputStream file(rawlog_);
+    auto archive = mrpt::serialization::archiveFrom(file);
+    try {
+      while (true) {
+        const auto observation = std::dynamic_pointer_cast<CObservation>(archive.ReadObject());
+        if (observation != nullptr && !use(*observation)) return;
+      }
+    } catch (const std::exception&) {  // the end of the file
+    }
+  }
+
+  template <typename Sample>
+  void write(const std::string& topic, Sample& sample) {
+    if (has(topic) && writers_[topic]->write(&sample)) ++sent[topic];
+  }
+
+  /// Mounts a frame once.
+  void mount(Time time, const std::string& frame, const Pose& T_robot_sensor) {
+    if (!mounted_.insert(frame).second) return;
+    transforms_.transforms().push_back(transformOf(time, "base_link", frame, T_robot_sensor));
+    write("/tf_static", transforms_);
+  }
+
+  /// @return whether it is a frame
+  bool send(const CObservation& observation, Time time) {
+    if (const auto* stereo = dynamic_cast<const CObservationStereoImages*>(&observation)) {
+      sendStereo(*stereo, time);
+      return true;
+    }
+    if (const auto* depth = dynamic_cast<const CObservation3DRangeScan*>(&observation)) {
+      sendDepth(*depth, time);
+      return true;
+    }
+    if (const auto* imu = dynamic_cast<const CObservationIMU*>(&observation)) sendImu(*imu, time);
+    if (const auto* wheels = dynamic_cast<const CObservationOdometry*>(&observation)) {
+      sendOdometry(*wheels, time);
+    }
+    if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
+      sendScan(*scan, time);
+    }
+    return false;
+  }
+
+  void sendImage(const std::string& camera, const cv::Mat& image, Time time) {
+    const std::string topic = camera + "/image";
+    if (is_compressed_ && has(topic + "/compressed")) {
+      sensor_msgs::msg::dds_::CompressedImage_ message;
+      setHeader(time, camera.substr(1), message.header());
+      message.format("jpeg");
+      cv::imencode(".jpg", image, message.data());
+      return write(topic + "/compressed", message);
+    }
+    sensor_msgs::msg::dds_::Image_ message;
+    setHeader(time, camera.substr(1), message.header());
+    message.height(static_cast<std::uint32_t>(image.rows));
+    message.width(static_cast<std::uint32_t>(image.cols));
+    message.encoding(image.type() == CV_16UC1 ? "16UC1" : image.channels() == 1 ? "mono8" : "bgr8");
+    message.step(static_cast<std::uint32_t>(image.cols * image.elemSize()));
+    for (int row = 0; row < image.rows; ++row) {
+      const auto* bytes = image.ptr(row);
+      message.data().insert(message.data().end(), bytes, bytes + message.step());
+    }
+    write(topic, message);
+  }
+
+  void sendInfo(const std::string& camera, CameraInfo info, Time time) {
+    setHeader(time, camera.substr(1), info.header());
+    write(camera + "/camera_info", info);
+  }
+
+  void sendStereo(const CObservationStereoImages& pair, Time time) {
+    mount(time, "left", fromMrpt(mrpt::poses::CPose3D(pair.cameraPose)));
+    sendInfo("/left", infoOf(pair.leftCamera, 0.0), time);
+    sendInfo("/right", infoOf(pair.rightCamera, pair.rightCameraPose.x()), time);
+    sendImage("/left", pair.imageLeft.asCvMatRef(), time);
+    sendImage("/right", pair.imageRight.asCvMatRef(), time);
+    if (robot_.on_frame) robot_.on_frame(time, monotonicSeconds());
+  }
+
+  void sendDepth(const CObservation3DRangeScan& scan, Time time) {
+    const Pose T_robot_depth =
+        fromMrpt(scan.sensorPose) * robotFromOptical();  // the observation's is x forward
+    const Pose T_depth_color =
+        robotFromOptical().inverse() * fromMrpt(scan.relativePoseIntensityWRTDepth);
+    mount(time, "depth", T_robot_depth);
+    mount(time, "color", T_robot_depth * T_depth_color);
+    sendInfo("/color", infoOf(scan.cameraParamsIntensity, 0.0), time);
+    sendInfo("/depth", infoOf(scan.cameraParams, 0.0), time);
+    cv::Mat depth(scan.rangeImage.rows(), scan.rangeImage.cols(), CV_16UC1);
+    for (int row = 0; row < depth.rows; ++row) {
+      for (int column = 0; column < depth.cols; ++column) {
+        depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
+            std::lround(1e3 * scan.rangeUnits * scan.rangeImage(row, column)));
+      }
+    }
+    sendImage("/color", scan.intensityImage.asCvMatRef(), time);
+    sendImage("/depth", depth, time);
+    if (robot_.on_frame) robot_.on_frame(time, monotonicSeconds());
+  }
+
+  void sendImu(const CObservationIMU& imu, Time time) {
+    mount(time, "imu", fromMrpt(imu.sensorPose));
+    sensor_msgs::msg::dds_::Imu_ message;
+    setHeader(time, "imu", message.header());
+    message.orientation().w(1.0);
+    auto& rate = message.angular_velocity();
+    auto& force = message.linear_acceleration();
+    if (imu.has(IMU_WX)) {
+      rate.x(imu.get(IMU_WX));
+      rate.y(imu.get(IMU_WY));
+      rate.z(imu.get(IMU_WZ));
+    }
+    if (imu.has(IMU_X_ACC)) {
+      force.x(imu.get(IMU_X_ACC));
+      force.y(imu.get(IMU_Y_ACC));
+      force.z(imu.get(IMU_Z_ACC));
+    }
+    write("/imu", message);
+  }
+
+  void sendOdometry(const CObservationOdometry& wheels, Time time) {
+    const Pose pose = fromMrpt(mrpt::poses::CPose3D(wheels.odometry));
+    tf2_msgs::msg::dds_::TFMessage_ transforms;
+    transforms.transforms().push_back(transformOf(time, "odom", "base_link", pose));
+    write("/tf", transforms);
+    nav_msgs::msg::dds_::Odometry_ message;
+    setHeader(time, "odom", message.header());
+    message.child_frame_id("base_link");
+    auto& place = message.pose().pose();
+    place.position().x(pose.translation().x());
+    place.position().y(pose.translation().y());
+    const Eigen::Quaterniond q = quaternionOf(pose);
+    place.orientation().z(q.z());
+    place.orientation().w(q.w());
+    write("/odom", message);
+  }
+
+  void sendScan(const CObservation2DRangeScan& scan, Time time) {
+    mount(time, "laser", fromMrpt(scan.sensorPose));
+    sensor_msgs::msg::dds_::LaserScan_ message;
+    setHeader(time, "laser", message.header());
+    const auto beams = scan.getScanSize();
+    const float step = scan.aperture / static_cast<float>(beams - 1);
+    message.angle_min(-0.5F * scan.aperture);
+    message.angle_max(0.5F * scan.aperture);
+    message.angle_increment(step);
+    message.range_min(0.05F);
+    message.range_max(scan.maxRange);
+    for (std::size_t i = 0; i < beams; ++i) {
+      message.ranges().push_back(scan.getScanRangeValidity(i) ? scan.getScanRange(i) : 0.0F);
+    }
+    write("/scan", message);
+  }
+
+  Robot& robot_;
+  FastDdsPeer& peer_;
+  std::string rawlog_;
+  bool is_compressed_;
+  double shift_s_;
+  std::map<std::string, std::unique_ptr<FastDdsPeer::Writer>> writers_;
+  std::set<std::string> mounted_;
+  tf2_msgs::msg::dds_::TFMessage_ transforms_;  ///< static ones
+};
+
+Robot::Robot(FastDdsPeer& peer, std::string rawlog, bool is_compressed, double shift_s)
+    : implementation_(std::make_unique<Implementation>(*this, peer, std::move(rawlog),
+                                                       is_compressed, shift_s)) {}
+
+Robot::~Robot() = default;
+
+bool Robot::isWatched() const { return implementation_->isWatched(); }
+
+std::size_t Robot::play(double factor, const std::atomic<bool>& stop) {
+  return implementation_->play(factor, stop);
+}
+
+const std::map<std::string, std::size_t>& Robot::sent() const { return implementation_->sent; }
+
+}  // namespace headway::test

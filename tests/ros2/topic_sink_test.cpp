@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses between frames, transforms beside the robot's own odometry, and what is left out.
+#include <gmock/gmock.h>
+#include <headway/io/mrpt_time.h>
+#include <headway/ros2/topic_sink.h>
+#include <headway_test/waiting.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <mutex>
+
+#include "fast_dds_peer.h"
+
+namespace headway::ros2 {
+namespace {
+
+using nav_msgs::msg::dds_::Odometry_PubSubType;
+using test::FastDdsPeer;
+using test::waitUntil;
+using tf2_msgs::msg::dds_::TFMessage_PubSubType;
+
+Pose planar(double x, double yaw = 0.0) {
+  Pose pose = Pose::Identity();
+  pose.translation().x() = x;
+  pose.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return pose;
+}
+
+class TopicSinkTest : public ::testing::Test {
+ protected:
+  TopicSinkTest() : domain_(test::domainOfThisTest()), peer_(domain_) {
+    setenv("ROS_LOCALHOST_ONLY", "1", 1);
+    node_.emplace(NodeOptions{"headway", domain_, ""});
+    odometry_ = peer_.reader<Odometry_PubSubType>(
+        "rt/headway/odometry", {true, false, 1000}, [this](const auto& message) {
+          const std::lock_guard lock(mutex_);
+          const auto& stamp = message.header().stamp();
+          samples_.emplace_back(stamp.sec() + 1e-9 * stamp.nanosec(),
+                                message.pose().pose().position().x());
+          frame_ = message.header().frame_id();
+        });
+    transforms_ = peer_.reader<TFMessage_PubSubType>(
+        "rt/tf", {true, false, 1000}, [this](const auto& message) {
+          const std::lock_guard lock(mutex_);
+          for (const auto& transform : message.transforms()) {
+            edges_[transform.header().frame_id() + ">" + transform.child_frame_id()] =
+                transform.transform().translation().x();
+          }
+        });
+  }
+
+  void start(const Ros2SinkParams& params, TopicSink::Hooks hooks = {}) {
+    sink_.emplace(*node_, params, std::move(hooks));
+    ASSERT_TRUE(waitUntil([&] { return odometry_->matched() > 0 && transforms_->matched() > 0; }));
+    Time time = 1.0;  // the writers know their readers a little later
+    ASSERT_TRUE(waitUntil([&] {
+      addFrame(time += 0.01, planar(0.0), planar(0.0));
+      return !edges().empty() && !samples().empty();
+    }));
+    const std::lock_guard lock(mutex_);
+    edges_.clear();
+    samples_.clear();
+  }
+
+  void addFrame(Time time, const Pose& T_odom_robot, const Pose& T_map_odom,
+                slam::TrackingStatus status = slam::TrackingStatus::kTracked, int submap = 0) {
+    run::FrameResult result;
+    result.update.time = time;
+    result.update.camera.status = status;
+    result.update.camera.submap = submap;
+    result.update.camera.T_odom_robot = T_odom_robot;
+    result.update.camera.T_map_odom = T_map_odom;
+    result.update.camera.T_map_robot = T_map_odom * T_odom_robot;
+    sink_->onFrame(result, perception_);
+  }
+  void addWheels(Time time, double x) {
+    mrpt::obs::CObservationOdometry wheels;
+    wheels.timestamp = io::mrptTime(time);
+    wheels.odometry = mrpt::poses::CPose2D(x, 0.0, 0.0);
+    sink_->addObservation(wheels);
+  }
+
+  std::map<std::string, double> edges() {
+    const std::lock_guard lock(mutex_);
+    return edges_;
+  }
+  std::vector<std::pair<Time, double>> samples() {
+    const std::lock_guard lock(mutex_);
+    return samples_;
+  }
+
+  int domain_;
+  FastDdsPeer peer_;
+  std::optional<Node> node_;
+  pipeline::Perception perception_{nullptr, {}};
+  std::mutex mutex_;
+  std::vector<std::pair<Time, double>> samples_;  // guarded by mutex_, like the members below
+  std::map<std::string, double> edges_;           // x of transforms
+  std::string frame_;
+  std::unique_ptr<FastDdsPeer::Reader> odometry_, transforms_;
+  std::optional<TopicSink> sink_;
+};
+
+TEST_F(TopicSinkTest, WheelsMoveTheOdometryOnBetweenFrames) {
+  Ros2SinkParams params;
+  params.odom_base = true;
+  start(params);
+  // The robot drives at 1 m/s; wheels started elsewhere, images arrive 0.1 s late.
+  for (int i = 1; i <= 60; ++i) {
+    const Time time = 100.0 + 0.02 * i;
+    addWheels(time, 7.0 + 0.02 * i);
+    if (i % 5 == 0 && i > 10) addFrame(time - 0.1, planar(0.02 * i - 0.1), planar(1.0));
+  }
+  ASSERT_TRUE(waitUntil([&] { return samples().size() >= 45; })) << samples().size();
+  Time last = 0.0;
+  for (const auto& [time, x] : samples()) {
+    EXPECT_GT(time, last);
+    last = time;
+    EXPECT_NEAR(x, time - 100.0, 1e-4) << time;
+  }
+  EXPECT_NEAR(last, 101.2, 1e-5);
+  EXPECT_EQ(frame_, "odom");
+  EXPECT_NEAR(edges().at("map>odom"), 1.0, 1e-12);
+  EXPECT_EQ(edges().count("odom>base_link"), 1U);
+}
+
+TEST_F(TopicSinkTest, TheGyroscopeDoesAtConstantSpeed) {
+  start({});
+  addFrame(100.0, planar(0.0), planar(0.0));
+  addFrame(100.1, planar(0.05), planar(0.0));
+  for (int i = 1; i <= 10; ++i) {
+    mrpt::obs::CObservationIMU imu;
+    imu.timestamp = io::mrptTime(100.1 + 0.02 * i);
+    for (const auto axis : {mrpt::obs::IMU_WX, mrpt::obs::IMU_WY, mrpt::obs::IMU_WZ}) {
+      imu.set(axis, 0.0);
+    }
+    sink_->addObservation(imu);
+  }
+  ASSERT_TRUE(waitUntil([&] { return samples().size() >= 11; }));
+  EXPECT_NEAR(samples().back().first, 100.3, 1e-5);
+  EXPECT_NEAR(samples().back().second, 0.15, 1e-6);
+}
+
+TEST_F(TopicSinkTest, TheRobotsOwnOdometryIsCorrected) {
+  TopicSink::Hooks hooks;
+  hooks.others_odometry = [](Time) { return std::optional(planar(4.0)); };
+  start({}, hooks);
+  addFrame(100.0, planar(2.0), planar(1.0));
+  ASSERT_TRUE(waitUntil([&] { return edges().size() == 2; }));
+  EXPECT_NEAR(edges().at("map>odom"), 1.0 + 2.0 - 4.0, 1e-12);
+  EXPECT_NEAR(edges().at("map>headway_odom"), 1.0, 1e-12);
+  ASSERT_TRUE(waitUntil([&] { return !samples().empty(); }));
+  EXPECT_EQ(frame_, "headway_odom");
+}
+
+TEST_F(TopicSinkTest, WithoutAPlaceInTheMapThereIsNoTransformToIt) {
+  Ros2SinkParams params;
+  params.odom_base = true;
+  start(params);
+  addFrame(100.0, planar(0.0), planar(0.0), slam::TrackingStatus::kUnreliable);
+  addFrame(100.1, planar(0.0), planar(0.0), slam::TrackingStatus::kTrackedInNewSubmap, 1);
+  ASSERT_TRUE(waitUntil([&] { return samples().size() == 2; }));
+  EXPECT_EQ(edges().count("map>odom"), 0U);
+  EXPECT_EQ(edges().count("odom>base_link"), 1U);
+  addFrame(100.2, planar(0.0), planar(0.0), slam::TrackingStatus::kLost);
+  EXPECT_TRUE(waitUntil([&] { return edges().count("map>odom") == 1; }));
+}
+
+TEST_F(TopicSinkTest, NothingIsMadeForTopicsWithoutSubscribers) {
+  std::atomic<int> asked{0};
+  TopicSink::Hooks hooks;
+  hooks.sensors = [&] {
+    ++asked;
+    return std::vector<DiagnosticLine>{{DiagnosticLine::kOk, "camera", "running", {}}};
+  };
+  start({}, hooks);
+  for (int i = 0; i < 30; ++i) addFrame(100.0 + i, planar(0.0), planar(0.0));
+  EXPECT_EQ(asked, 0);
+  std::atomic<int> lines{0};
+  const auto health = peer_.reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
+      "rt/diagnostics", {},
+      [&](const auto& message) { lines = static_cast<int>(message.status().size()); });
+  Time time = 200.0;
+  EXPECT_TRUE(waitUntil([&] {
+    addFrame(time += 1.0, planar(0.0), planar(0.0));
+    return lines == 3;
+  }));
+}
+
+}  // namespace
+}  // namespace headway::ros2

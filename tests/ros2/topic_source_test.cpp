@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Topics that another implementation publishes, as observations; and what is wrong with them.
+#include <gmock/gmock.h>
+#include <headway/core/mrpt_pose.h>
+#include <headway/io/live_source.h>
+#include <headway/io/mrpt_time.h>
+#include <headway/ros2/topic_source.h>
+#include <headway_test/folders.h>
+#include <headway_test/waiting.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationStereoImages.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <mutex>
+#include <random>
+
+#include "../io/synthetic_recording.h"
+#include "robot.h"
+
+namespace headway::ros2 {
+namespace {
+
+using test::FastDdsPeer;
+using test::waitUntil;
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Key;
+namespace dds = sensor_msgs::msg::dds_;
+
+class TopicSourceTest : public ::testing::Test {
+ protected:
+  TopicSourceTest() : domain_(test::domainOfThisTest()), peer_(domain_) {
+    setenv("ROS_LOCALHOST_ONLY", "1", 1);
+    node_.emplace(NodeOptions{"headway", domain_, ""});
+  }
+
+  void start(const Ros2SourceParams& params = {}) {
+    source_.emplace(*node_, params, TopicSourceOptions(),
+                    TopicSource::Callbacks{[this](const mrpt::obs::CObservation::Ptr& observation) {
+                                             const std::lock_guard lock(mutex_);
+                                             ++counts_[observation->GetRuntimeClass()->className];
+                                             last_[observation->GetRuntimeClass()->className] =
+                                                 observation;
+                                             live_.push(observation);
+                                           },
+                                           [this](const std::string& text) {
+                                             const std::lock_guard lock(mutex_);
+                                             messages_.push_back(text);
+                                           },
+                                           [this](const Pose& pose) {
+                                             const std::lock_guard lock(mutex_);
+                                             initial_pose_ = pose;
+                                           }});
+    source_->start();
+  }
+
+  std::size_t count(const std::string& type) {
+    const std::lock_guard lock(mutex_);
+    return counts_[type];
+  }
+  template <typename Observation>
+  std::shared_ptr<Observation> last() {
+    const std::lock_guard lock(mutex_);
+    return std::dynamic_pointer_cast<Observation>(
+        last_[Observation::GetRuntimeClassIdStatic().className]);
+  }
+  std::vector<std::string> messages() {
+    const std::lock_guard lock(mutex_);
+    return messages_;
+  }
+
+  /// A rawlog of a camera with an inertial sensor, wheels and a laser.
+  std::string rawlog(std::size_t frames) {
+    const std::string path = folder_ / "robot.rawlog";
+    io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
+    for (std::size_t i = 0; i < frames; ++i) {
+      const Time time = io::test::frameTime(i);
+      for (int k = 0; k < 4; ++k) {
+        sink.writeImu(time - 0.08 + 0.02 * k, {0.0, 0.0, 0.1}, {0.0, 0.0, 9.81});
+        sink.writeOdometry(time - 0.08 + 0.02 * k, 0.1 * static_cast<double>(i), 0.2, 0.3);
+      }
+      io::RecordedScan scan;
+      scan.time = time - 0.01;
+      scan.T_robot_laser.translation() << 0.5, 0.0, 0.2;
+      scan.aperture_rad = 2.0;
+      scan.max_range_m = 10.0;
+      scan.ranges = {1.0F, 2.0F, 3.0F};
+      sink.writeLaser(scan);
+      const auto images = io::test::wall(static_cast<int>(i));
+      sink.writeStereo(time, images.left, images.right, io::rawFrom(io::test::smallCamera()));
+    }
+    sink.close();
+    return path;
+  }
+
+  int domain_;
+  test::TemporaryFolder folder_;
+  FastDdsPeer peer_;
+  std::optional<Node> node_;
+  std::mutex mutex_;
+  std::map<std::string, std::size_t> counts_;  // guarded by mutex_, like the members below
+  std::map<std::string, mrpt::obs::CObservation::Ptr> last_;
+  std::vector<std::string> messages_;
+  std::optional<Pose> initial_pose_;
+  io::LiveSource live_;
+  std::optional<TopicSource> source_;  // last, so that its thread ends first
+  const std::atomic<bool> go_on_{false};
+};
+
+TEST_F(TopicSourceTest, ARobotsSensorsBecomeObservations) {
+  test::Robot robot(peer_, rawlog(30));
+  start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
+  EXPECT_EQ(robot.play(1.0, go_on_), 30U);
+  const auto unused = [&] {
+    auto skipped = source_->skipped();
+    return std::max(skipped["before_calibration"] / 2, skipped["before_calibration"] - 30);
+  };
+  EXPECT_TRUE(waitUntil([&] { return count("CObservationStereoImages") + unused() >= 29; }));
+  EXPECT_GT(count("CObservationStereoImages"), 20U);
+  const auto camera = io::test::smallCamera();
+  const auto pair = last<mrpt::obs::CObservationStereoImages>();
+  ASSERT_NE(pair, nullptr);
+  EXPECT_NEAR(io::timeFrom(pair->timestamp), io::test::frameTime(29), 1e-6);
+  EXPECT_NEAR(pair->leftCamera.fx(), camera.fx, 1e-9);
+  EXPECT_NEAR(pair->rightCameraPose.x(), camera.baseline_m, 1e-9);
+  const Pose mounting = fromMrpt(mrpt::poses::CPose3D(pair->cameraPose));
+  EXPECT_TRUE(mounting.isApprox(camera.T_robot_cam, 1e-9));
+  EXPECT_TRUE(io::test::sameImage(pair->imageLeft.asCvMatRef(), io::test::wall(29).left));
+  EXPECT_GT(count("CObservationIMU"), 80U);
+  EXPECT_NEAR(last<mrpt::obs::CObservationIMU>()->get(mrpt::obs::IMU_Z_ACC), 9.81, 1e-9);
+  EXPECT_GT(count("CObservationOdometry"), 80U);
+  EXPECT_NEAR(last<mrpt::obs::CObservationOdometry>()->odometry.phi(), 0.3, 1e-9);
+  const auto scan = last<mrpt::obs::CObservation2DRangeScan>();
+  ASSERT_NE(scan, nullptr);
+  EXPECT_NEAR(scan->sensorPose.x(), 0.5, 1e-9);
+  EXPECT_NEAR(scan->aperture, 2.0, 1e-5);
+  // The robot's own odometry, for map -> odom.
+  const auto odometry = source_->odometryAt(io::test::frameTime(29) - 0.03);
+  ASSERT_TRUE(odometry);
+  EXPECT_NEAR(odometry->translation().x(), 2.9, 1e-6);
+  EXPECT_FALSE(source_->odometryAt(io::test::frameTime(29) + 100.0));
+  EXPECT_NE(live_.camera(), nullptr);
+}
+
+TEST_F(TopicSourceTest, ARobotThatIsRestartedIsReadAgain) {
+  const std::string path = rawlog(25);
+  start();
+  for (const double shift_s : {0.0, 60.0}) {
+    FastDdsPeer peer(domain_);
+    test::Robot robot(peer, path, true, shift_s);
+    ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
+    (void)robot.play(1.0, go_on_);
+    EXPECT_TRUE(waitUntil([&] {
+      const auto pair = last<mrpt::obs::CObservationStereoImages>();
+      return pair && io::timeFrom(pair->timestamp) > io::test::frameTime(22) + shift_s;
+    })) << shift_s;
+  }
+}
+
+TEST_F(TopicSourceTest, MalformedMessagesAreCountedAndNamedAndOthersStillUsed) {
+  test::Robot robot(peer_, rawlog(20));
+  start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); }));
+  FastDdsPeer other(domain_);
+  const std::vector<std::pair<std::string, std::string>> topics = {
+      {"/left/image", "sensor_msgs::msg::dds_::Image_"},
+      {"/left/camera_info", "sensor_msgs::msg::dds_::CameraInfo_"},
+      {"/imu", "sensor_msgs::msg::dds_::Imu_"},
+      {"/odom", "nav_msgs::msg::dds_::Odometry_"},
+      {"/scan", "sensor_msgs::msg::dds_::LaserScan_"},
+      {"/tf", "tf2_msgs::msg::dds_::TFMessage_"}};
+  std::vector<std::unique_ptr<FastDdsPeer::Writer>> writers;
+  for (const auto& [topic, type] : topics) writers.push_back(other.bytesWriter("rt" + topic, type));
+  for (const auto& writer : writers) {
+    ASSERT_TRUE(waitUntil([&] { return writer->matched() > 0; }));
+  }
+  std::mt19937 random(7);
+  for (int i = 0; i < 10000; ++i) {
+    std::string bytes(4 + random() % 300, '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random());
+    if (i % 4 != 0) bytes.replace(0, 4, std::string("\0\1\0\0", 4));  // CDR with any contents
+    if (i % 8 == 1) bytes.replace(4, 12, std::string(12, '\xFF'));    // and absurd sizes
+    (void)writers[static_cast<std::size_t>(i) % writers.size()]->write(&bytes);
+  }
+  (void)robot.play(1.0, go_on_);
+  EXPECT_TRUE(waitUntil([&] {
+    const auto pair = last<mrpt::obs::CObservationStereoImages>();
+    return pair && io::timeFrom(pair->timestamp) > io::test::frameTime(17);
+  })) << source_->missing();
+  const auto skipped = source_->skipped();
+  for (const auto& type : {"Image", "CameraInfo", "Imu", "LaserScan"}) {
+    EXPECT_THAT(skipped, Contains(Key("unreadable_sensor_msgs/" + std::string(type))));
+  }
+  EXPECT_THAT(skipped, Contains(Key("unreadable_nav_msgs/Odometry")));
+  EXPECT_THAT(skipped, Contains(Key("unreadable_tf2_msgs/TFMessage")));
+  std::size_t unreadable = 0;
+  for (const auto& [reason, number] : skipped) unreadable += reason[0] == 'u' ? number : 0;
+  EXPECT_GT(unreadable, 5000U);
+  EXPECT_THAT(messages(), Contains(HasSubstr("unreadable_sensor_msgs/Image (/left/image: ")));
+  EXPECT_THAT(messages(), Contains(HasSubstr("/left/image has 2 publishers")));
+  EXPECT_LT(messages().size(), 60U);  // not one for each
+}
+
+TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
+  test::Robot robot(peer_, rawlog(10));
+  start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); }));
+  (void)robot.play(1.0, go_on_);
+  ASSERT_TRUE(waitUntil([&] { return source_->missing().empty(); })) << source_->missing();
+  FastDdsPeer other(domain_);
+  const auto text = other.bytesWriter("rt/left/image", "std_msgs::msg::dds_::String_");
+  const auto imu = other.writer<dds::Imu_PubSubType>("rt/imu");
+  const auto image = other.writer<dds::Image_PubSubType>("rt/right/image");
+  const auto scan = other.writer<dds::LaserScan_PubSubType>("rt/scan");
+  for (const auto* writer : {imu.get(), image.get(), scan.get()}) {
+    ASSERT_TRUE(waitUntil([&] { return writer->matched() > 0; }));
+  }
+  dds::Imu_ sample;
+  sample.header().frame_id("imu");
+  sample.angular_velocity().x(std::numeric_limits<double>::quiet_NaN());
+  imu->write(&sample);
+  sample.header().frame_id("nowhere");
+  dds::Image_ picture;
+  picture.encoding("mono8");
+  picture.width(64);
+  picture.height(48);
+  picture.step(64);
+  picture.data().resize(64UL * 48UL);
+  image->write(&picture);
+  picture.encoding("16SC3");
+  image->write(&picture);
+  picture.encoding("mono8");
+  picture.width(4'000'000'000);
+  image->write(&picture);
+  dds::LaserScan_ rays;
+  rays.header().frame_id("laser");
+  rays.angle_increment(std::numeric_limits<float>::infinity());
+  rays.ranges().resize(3);
+  scan->write(&rays);
+  const std::vector<std::string> reasons = {"imu_not_finite", "image_size", "image_encoding_16SC3",
+                                            "broken_image", "broken_scan"};
+  for (const auto& reason : reasons) {
+    EXPECT_TRUE(waitUntil([&] { return source_->skipped().count(reason) > 0; })) << reason;
+  }
+  EXPECT_TRUE(waitUntil([&] {
+    for (const auto& message : messages()) {
+      if (message.find("/left/image is published as std_msgs/String, too") != std::string::npos) {
+        return true;
+      }
+    }
+    return false;
+  }));
+}
+
+TEST_F(TopicSourceTest, TheInitialPoseIsPassedOn) {
+  start();
+  const auto writer = peer_.writer<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(
+      "rt/initialpose");
+  ASSERT_TRUE(waitUntil([&] { return writer->matched() > 0; }));
+  geometry_msgs::msg::dds_::PoseWithCovarianceStamped_ pose;
+  pose.pose().pose().position().x(3.0);
+  pose.pose().pose().orientation().z(std::sqrt(0.5));
+  pose.pose().pose().orientation().w(std::sqrt(0.5));
+  ASSERT_TRUE(writer->write(&pose));
+  EXPECT_TRUE(waitUntil([&] {
+    const std::lock_guard lock(mutex_);
+    return initial_pose_.has_value();
+  }));
+  EXPECT_NEAR(initial_pose_->translation().x(), 3.0, 1e-12);
+  EXPECT_NEAR(yawOf(*initial_pose_), M_PI / 2, 1e-9);
+}
+
+TEST_F(TopicSourceTest, TheListSaysWhatTopicsAreUsedFor) {
+  test::Robot robot(peer_, rawlog(3));
+  const std::string list = listOfTopics(*node_, {});
+  EXPECT_THAT(list, HasSubstr("/left/image  sensor_msgs/Image  1 publisher, reliable  <- left"));
+  EXPECT_THAT(list, HasSubstr("/imu  sensor_msgs/Imu  1 publisher, reliable  <- inertial samples"));
+  EXPECT_THAT(list, HasSubstr("/scan  sensor_msgs/LaserScan"));
+}
+
+}  // namespace
+}  // namespace headway::ros2
