@@ -34,6 +34,7 @@
 
 #include "live_page.h"
 #include "replay.h"
+#include "ros2_connection.h"
 
 namespace {
 
@@ -51,6 +52,8 @@ struct LiveOptions {
   std::string show_address = "127.0.0.1";
   std::optional<std::size_t> health_port;  ///< nullopt: none
   double pair_tolerance_s = 0.01;
+  live::Ros2Options ros2;
+  std::string initial_pose;  ///< X,Y,YAW in the loaded map; empty: unknown
 };
 
 /// Adds the options to a command line.
@@ -58,7 +61,8 @@ void describe(LiveOptions& options, program::CommandLine& line) {
   options.run.program = "headway-live";
   options.run.snapshots = 0;
   line.option(options.sensors, 0, "sensors", "SENSORS.ini",
-              "Sensors to grab, in the format of MRPT's rawlog-grabber", true);
+              "Sensors to grab, in the format of MRPT's rawlog-grabber");
+  live::describe(options.ros2, line);
   line.option(options.run.output, 'o', "output", "OUTDIR", "Folder for all results");
   line.option(options.plugins, 0, "load-plugins", "LIB.so,...",
               "Shared libraries with further classes of CGenericSensor");
@@ -67,6 +71,9 @@ void describe(LiveOptions& options, program::CommandLine& line) {
   line.option(options.record, 0, "record", "OUT.rawlog", "Rawlog of all observations to write");
   line.option(options.run.load_map, 0, "load-map", "MAP",
               "Localise in this map.headway and extend it (slam.mapping=false: localise only)");
+  line.option(
+      options.initial_pose, 0, "initial-pose", "X,Y,YAW",
+      "Where the robot is in the loaded map, about [m, m, rad]: it is searched there first");
   line.option(options.run.sensor_label, 0, "sensor-label", "LABEL",
               "Stereo camera to use if there are several; LEFT,RIGHT for two cameras");
   line.option(options.pair_tolerance_s, 0, "pair-tolerance", "SECONDS",
@@ -83,11 +90,40 @@ void describe(LiveOptions& options, program::CommandLine& line) {
   line.flag(options.run.overwrite, 'w', "overwrite", "Overwrite existing results");
 }
 
+/// Of --initial-pose. @throws UsageError
+Pose initialPoseOf(const std::string& text) {
+  std::vector<double> values;
+  std::istringstream in(text);
+  for (double value = 0.0; in >> value && std::isfinite(value); in.ignore(1, ',')) {
+    values.push_back(value);
+    if (in.peek() != ',') break;
+  }
+  if (values.size() != 3 || in.peek() != std::istringstream::traits_type::eof()) {
+    throw program::UsageError("--initial-pose " + text + ": must be X,Y,YAW [m, m, rad]");
+  }
+  Pose pose = Pose::Identity();
+  pose.translation().head<2>() << values[0], values[1];
+  pose.linear() = Eigen::AngleAxisd(values[2], Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return pose;
+}
+
 /// @throws UsageError if options are invalid or contradict each other
 void check(const LiveOptions& options) {
   using program::UsageError;
   if (options.run.output.empty()) {
     throw UsageError("-o/--output: is required (--help shows the options)");
+  }
+  if (options.sensors.empty() && !options.ros2.isUsed()) {
+    throw UsageError("--sensors: is required, or --ros2 (--help shows the options)");
+  }
+  if (!options.ros2.interface.empty() && !options.ros2.isUsed()) {
+    throw UsageError("--ros2-interface has no effect without --ros2");
+  }
+  if (!options.initial_pose.empty()) {
+    (void)initialPoseOf(options.initial_pose);
+    if (options.run.load_map.empty()) {
+      throw UsageError("--initial-pose has no effect without --load-map");
+    }
   }
   if (!(options.pair_tolerance_s >= 0.0)) {
     throw UsageError("--pair-tolerance must not be negative");
@@ -163,7 +199,10 @@ void loadPlugins(const std::string& libraries) {
 constexpr char kWaiting[] = "waiting for images";
 
 /// Why there is no stereo pair yet, as far as it is known.
-std::string describeWait(const io::LiveSource& source, double pair_tolerance_s) {
+std::string describeWait(const io::LiveSource& source, double pair_tolerance_s,
+                         const live::Ros2Connection* ros2) {
+  const std::string topics = ros2 == nullptr ? "" : ros2->missing();
+  if (!topics.empty()) return "; ROS 2: " + topics;
   const auto skipped = source.skipped();
   const auto unpaired = skipped.find("unpaired_image");
   if (unpaired == skipped.end()) {
@@ -177,13 +216,14 @@ std::string describeWait(const io::LiveSource& source, double pair_tolerance_s) 
 }
 
 /// Waits for the first images; false if the program was interrupted before.
-bool waitForCamera(io::LiveSource& source, double pair_tolerance_s) {
+bool waitForCamera(io::LiveSource& source, double pair_tolerance_s,
+                   const live::Ros2Connection* ros2) {
   try {
     if (source.camera() != nullptr || !program::interrupted()) return true;
   } catch (const InputError&) {
     if (!program::interrupted()) throw;
   }
-  warn("interrupted before the first stereo pair" + describeWait(source, pair_tolerance_s));
+  warn("interrupted before the first stereo pair" + describeWait(source, pair_tolerance_s, ros2));
   return false;
 }
 
@@ -210,10 +250,13 @@ std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
 class StatusLine : public run::Sink {
  public:
   /// @param quiet  prints nothing
-  StatusLine(bool quiet, io::LiveSource& source, double pair_tolerance_s)
+  /// @param ros2   null: none
+  StatusLine(bool quiet, io::LiveSource& source, double pair_tolerance_s,
+             const live::Ros2Connection* ros2)
       : quiet_(quiet),
         source_(source),
         pair_tolerance_s_(pair_tolerance_s),
+        ros2_(ros2),
         thread_([this] { run(); }) {}
   ~StatusLine() override {
     stopping_ = true;
@@ -237,6 +280,7 @@ class StatusLine : public run::Sink {
   bool quiet_;
   io::LiveSource& source_;
   double pair_tolerance_s_;
+  const live::Ros2Connection* ros2_;
   std::mutex mutex_;
   std::optional<run::FrameResult> last_;  // guarded by mutex_, like the members below
   double max_latency_s_ = 0.0;            ///< since the last line
@@ -265,7 +309,7 @@ void StatusLine::run() {
 
 std::string StatusLine::text() {
   const std::lock_guard lock(mutex_);
-  if (!last_) return kWaiting + describeWait(source_, pair_tolerance_s_);
+  if (!last_) return kWaiting + describeWait(source_, pair_tolerance_s_, ros2_);
   const pipeline::PerceptionUpdate& update = last_->update;
   const Pose& T_map_robot = update.camera.T_map_robot;
   const auto& place = T_map_robot.translation();
@@ -287,11 +331,31 @@ std::string StatusLine::text() {
   return line.data() + (last_->left_out.empty() ? "" : "; " + last_->left_out);
 }
 
+/// State of all sensors: MRPT's drivers and topics.
+using SensorStates = std::function<std::vector<drivers::SensorStatus>()>;
+
+/// Frames of the sensors, with the messages of ROS 2 that were not used.
+class LiveFrames : public run::SensorFrames {
+ public:
+  LiveFrames(io::LiveSource& source, const live::Ros2Connection* ros2)
+      : SensorFrames(source), ros2_(ros2) {}
+
+  [[nodiscard]] run::SourceReport report() const override {
+    auto report = SensorFrames::report();
+    if (ros2_ == nullptr || !report.skipped) return report;
+    for (const auto& [reason, count] : ros2_->skipped()) (*report.skipped)[reason] += count;
+    return report;
+  }
+
+ private:
+  const live::Ros2Connection* ros2_;
+};
+
 /// Shows the figures of each frame on the page, under any load.
 class PageSink : public run::Sink {
  public:
-  PageSink(live::LivePage& page, const replay::Replay& run, const drivers::SensorGroup& sensors)
-      : page_(page), run_(run), sensors_(sensors) {}
+  PageSink(live::LivePage& page, const replay::Replay& run, SensorStates sensors)
+      : page_(page), run_(run), sensors_(std::move(sensors)) {}
 
   void onFrame(const run::FrameResult& result, pipeline::Perception& /*perception*/) override {
     live::LiveView view;
@@ -302,7 +366,7 @@ class PageSink : public run::Sink {
     view.frames = result.frames;
     view.dropped = result.source.dropped;
     view.left_out = result.left_out;
-    view.sensors = sensors_.status();
+    view.sensors = sensors_();
     view.warnings = run_.summary().warnings;
     page_.show(std::move(view));
   }
@@ -310,7 +374,7 @@ class PageSink : public run::Sink {
  private:
   live::LivePage& page_;
   const replay::Replay& run_;
-  const drivers::SensorGroup& sensors_;
+  SensorStates sensors_;
 };
 
 /// Shows images and map on the page where there is time.
@@ -336,25 +400,53 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   std::optional<drivers::ObservationRecorder> recorder;
   if (!options.record.empty()) recorder.emplace(options.record);
   io::LiveSource source(sourceOptions(options, params));
-  const auto deliver = [&](const CObservation::Ptr& observation) {
-    if (calibration) calibrate(*calibration, options.run.sensor_label, *observation);
+  std::optional<live::Ros2Connection> ros2;
+  const auto add = [&](const CObservation::Ptr& observation) {
     if (recorder) recorder->write(observation);
     source.push(observation);
+    if (ros2) ros2->addObservation(*observation);
+  };
+  const auto deliver = [&](const CObservation::Ptr& observation) {
+    if (calibration) calibrate(*calibration, options.run.sensor_label, *observation);
+    add(observation);
   };
   const auto page = makePage(options);
-  const auto sensors = makeSensors(options.sensors, deliver);
-  StatusLine status(quiet, source, options.pair_tolerance_s);
-  sensors->start();
-  if (!waitForCamera(source, options.pair_tolerance_s)) return;
-  replay::Replay pipeline(options.run, std::make_unique<run::SensorFrames>(source), params,
+  std::unique_ptr<drivers::SensorGroup> sensors;
+  if (!options.sensors.empty()) sensors = makeSensors(options.sensors, deliver);
+  const SensorStates states = [&] {
+    auto all = sensors ? sensors->status() : std::vector<drivers::SensorStatus>();
+    const auto topics = ros2 ? ros2->sensors() : std::vector<drivers::SensorStatus>();
+    all.insert(all.end(), topics.begin(), topics.end());
+    return all;
+  };
+  if (options.ros2.isUsed()) {
+    ros2.emplace(options.ros2, sensors != nullptr, options.calibration, options.pair_tolerance_s,
+                 live::Ros2Connection::Callbacks{add, warn, states});
+    if (!quiet) std::printf("%s\n", ros2->network().c_str());
+    ros2->start();
+  }
+  live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
+  StatusLine status(quiet, source, options.pair_tolerance_s, topics);
+  if (sensors) sensors->start();
+  if (!waitForCamera(source, options.pair_tolerance_s, topics)) return;
+  replay::Replay pipeline(options.run, std::make_unique<LiveFrames>(source, topics), params,
                           all_params);
+  const std::shared_ptr<void> last(nullptr, [&](void*) {
+    if (ros2) ros2->stop();  // before the pipeline ends, which it uses
+  });
+  if (!options.initial_pose.empty()) {
+    pipeline.perception().setInitialPose(initialPoseOf(options.initial_pose));
+  }
+  if (ros2) ros2->setPerception(pipeline.perception());
+  if (ros2) pipeline.add(ros2->sink());
   pipeline.add(status);
   std::optional<PictureSink> pictures;
   std::optional<PageSink> shown;
   if (page && options.show_port) pipeline.add(pictures.emplace(*page));
-  if (page) pipeline.add(shown.emplace(*page, pipeline, *sensors));
+  if (page) pipeline.add(shown.emplace(*page, pipeline, states));
   pipeline.run();
-  sensors->stop();
+  if (ros2) ros2->stop();
+  if (sensors) sensors->stop();
   if (recorder) finish(options.record, *recorder);
   if (!quiet) replay::printSummary(pipeline.summary());
 }
@@ -375,6 +467,10 @@ int main(int argc, char** argv) {
     describe(options, line);
     line.parameters(all_params);
     if (!line.parse(argc, argv)) return program::kDone;
+    if (options.ros2.list) {
+      std::cout << live::listOfTopics(options.ros2) << std::flush;
+      return program::kDone;
+    }
     options.run.quiet = line.quiet() || line.verbosity() > mrpt::system::LVL_INFO;
     options.run.debug = line.verbosity() == mrpt::system::LVL_DEBUG;
     options.run.input = options.record;

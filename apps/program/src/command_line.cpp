@@ -276,6 +276,18 @@ void CommandLine::option(std::optional<std::size_t>& target, char short_name,
                     });
 }
 
+void CommandLine::option(std::optional<std::string>& target, char short_name,
+                         const std::string& name, const std::string& type,
+                         const std::string& meaning) {
+  const std::string none = "true";  // what CLI11 gives instead of a value that is left out
+  arguments_
+      ->value(Arguments::namesOf(short_name, name), type, meaning,
+              [&target, none](const CLI::Option&, const std::string& text) {
+                target = text == none ? "" : text;
+              })
+      .expected(0, 1);
+}
+
 void CommandLine::option(std::vector<std::string>& target, char short_name, const std::string& name,
                          const std::string& type, const std::string& meaning) {
   arguments_->repeatable.insert(&arguments_->value(

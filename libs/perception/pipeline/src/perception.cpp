@@ -252,6 +252,7 @@ class Perception::Implementation {
   StageTimes times;
   std::mutex change_mutex;
   std::optional<RuntimeParams> change;  ///< for the next frame; guarded by change_mutex
+  std::optional<Pose> initial_pose;     ///< the same
 
  private:
   /// Before anything changes, so that a frame that cannot be used leaves all as it is.
@@ -267,6 +268,8 @@ class Perception::Implementation {
 
   void applyChange() {
     const std::lock_guard lock(change_mutex);
+    const auto place = std::exchange(initial_pose, std::nullopt);
+    if (place && localisation.slam() != nullptr) localisation.slam()->setInitialPose(*place);
     if (!change) return;
     detection.change(change->detect_period_s, change->recorded_timeout_s);
     max_box_range_m_ = change->max_box_range_m;
@@ -530,6 +533,11 @@ void Perception::change(const RuntimeParams& params) {
              "parameters at run time are out of range");
   const std::lock_guard lock(implementation_->change_mutex);
   implementation_->change = params;
+}
+
+void Perception::setInitialPose(const Pose& T_map_robot) {
+  const std::lock_guard lock(implementation_->change_mutex);
+  implementation_->initial_pose = T_map_robot;
 }
 
 const Warnings& Perception::warnings() const { return implementation_->health.warnings(); }

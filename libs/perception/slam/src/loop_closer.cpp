@@ -196,12 +196,24 @@ void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
   index_.add(keyframe, descriptorsOf(keyframe, map));
 }
 
-std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame, SparseMap& map,
+std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame,
+                                              const std::optional<Pose>& expected, SparseMap& map,
                                               KeyframeId* keyframe) const {
   constexpr int kCandidates = 5;
+  constexpr double kNear_m = 5.0;  ///< a place given by hand and the way to the next keyframe
   const auto points = describe(frame);
-  for (const auto& match :
-       index_.query(descriptorsOf(points), kCandidates, [](KeyframeId) { return true; })) {
+  const auto descriptors = descriptorsOf(points);
+  std::vector<PlaceMatch> matches;
+  if (expected) {
+    matches = index_.query(descriptors, kCandidates, [&](KeyframeId id) {
+      const Pose T_expected_key = expected->inverse(Eigen::Isometry) * map.keyframe(id).T_map_cam;
+      return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
+    });
+  }
+  const auto anywhere =
+      index_.query(descriptors, kCandidates, [](KeyframeId /*id*/) { return true; });
+  matches.insert(matches.end(), anywhere.begin(), anywhere.end());
+  for (const auto& match : matches) {
     const auto among = map.seenBy(map.neighbourhood(match.keyframe, params_.window));
     // Few matches suffice: the pose is verified by measuring patches from there.
     const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 2).T_map_cam;

@@ -102,9 +102,11 @@ class LoopCloser {
 
   /// Relocalises a frame in the whole map, without a predicted pose.
   ///
+  /// @param expected  camera: keyframes near it that look the same way are tried first
   /// @param keyframe  set to the keyframe that it was recognised by
-  [[nodiscard]] std::optional<TrackedPose> locate(const TrackingFrame& frame, SparseMap& map,
-                                                  KeyframeId* keyframe) const;
+  [[nodiscard]] std::optional<TrackedPose> locate(const TrackingFrame& frame,
+                                                  const std::optional<Pose>& expected,
+                                                  SparseMap& map, KeyframeId* keyframe) const;
 
   /// Searches for a loop at a new keyframe and, where one is verified, corrects the whole map.
   ///

@@ -182,6 +182,8 @@ class StereoSlam::Implementation {
     noteChange(MapChange::kMounting);
   }
 
+  void setInitialPose(const Pose& T_map_robot) { expected_ = T_map_robot * camera_->T_robot_cam; }
+
   [[nodiscard]] MapView map() { return views_.make(map_, submap()); }
   [[nodiscard]] MapView map(int submap) const { return makeMapView(map_, T_cam_robot_, submap); }
   [[nodiscard]] TrajectoryVisit trajectorySnapshot() const {
@@ -219,10 +221,12 @@ class StereoSlam::Implementation {
       tracked = tracker_.track(previous_, seen_before_, without_boxes, proposed, initial_poses,
                                local_landmarks_, active_submap_.isNew(rate_), map_);
     }
-    if (tracked) return tracked;
     KeyframeId recognised;
-    tracked = loops_.locate(current, map_, &recognised);
+    const bool is_followed = tracked.has_value();
+    if (!is_followed) tracked = loops_.locate(current, expected_, map_, &recognised);
     if (!tracked) return std::nullopt;
+    expected_.reset();
+    if (is_followed) return tracked;
     relocalised_ = true;
     setReferenceKeyframe(recognised);
     active_submap_.relocaliseAt(recognised);
@@ -638,6 +642,7 @@ class StereoSlam::Implementation {
   Time last_tracked_ = 0.0;        ///< time of that frame [s]
   bool turns_known_ = false;       ///< by the gyroscope, in every frame since then
   ActiveSubmap active_submap_;
+  std::optional<Pose> expected_;  ///< of the camera, until it is tracked
   int lost_in_a_row_ = 0;
   double lost_s_ = 0.0;  ///< in these frames
   FrameRate rate_;
@@ -721,6 +726,10 @@ std::optional<stereo::OffsetEstimate> StereoSlam::takeFreeOffset() {
 MapView StereoSlam::map(int submap) const { return implementation_->map(submap); }
 
 std::vector<int> StereoSlam::submaps() const { return implementation_->sparseMap().submaps(); }
+
+void StereoSlam::setInitialPose(const Pose& T_map_robot) {
+  implementation_->setInitialPose(T_map_robot);
+}
 
 void StereoSlam::correct(const KeyframePoses& poses) { implementation_->correct(poses); }
 

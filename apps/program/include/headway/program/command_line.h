@@ -48,6 +48,9 @@ class CommandLine {
               const std::string& meaning);
   void option(std::optional<std::size_t>& target, char short_name, const std::string& name,
               const std::string& type, const std::string& meaning);
+  /// An option whose value may be left out: it is empty then.
+  void option(std::optional<std::string>& target, char short_name, const std::string& name,
+              const std::string& type, const std::string& meaning);
   /// May be given several times.
   void option(std::vector<std::string>& target, char short_name, const std::string& name,
               const std::string& type, const std::string& meaning);

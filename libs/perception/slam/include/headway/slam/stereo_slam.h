@@ -209,6 +209,10 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
+  /// Where the robot is, roughly: while the camera is lost, as it is in a map that was loaded, it is
+  /// searched there first, within 5 m and a right angle. Forgotten when the camera is tracked.
+  void setInitialPose(const Pose& T_map_robot);
+
   /// Waits for a running background search for loops and adjustment and applies both, at the end of
   /// a recording. More frames may follow.
   void finish();
