@@ -3,7 +3,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/run_consumer.cmake)
 
 file(READ ${DOCUMENT} document)
-foreach(program IN ITEMS follow robot planner)
+foreach(program IN ITEMS robot planner)
   file(READ ${SOURCE_DIR}/${program}.cpp example)
   string(REGEX REPLACE "^// SPDX[^\n]*\n" "" example "${example}")
   string(FIND "${document}" "${example}" place)

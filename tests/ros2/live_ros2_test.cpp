@@ -256,6 +256,9 @@ TEST_F(LiveRos2Test, ListsTopicsAndNamesMistakes) {
   EXPECT_EQ(list.status, 0) << list.output;
   EXPECT_THAT(list.output, HasSubstr("/left/image  sensor_msgs/Image  1 publisher, reliable"));
   EXPECT_THAT(list.output, HasSubstr("<- left image"));
+  const auto shipped = run("--ros2 " + std::string(HEADWAY_SOURCE_DIR) +
+                           "/config/ros2.ini --ros2-list --ros2-interface lo");
+  EXPECT_EQ(shipped.status, 0) << shipped.output;
   const auto unknown = run("--ros2 " + ini("[ros2]\nlefft = /x\n") + " -o " + out());
   EXPECT_EQ(unknown.status, 1);
   EXPECT_THAT(unknown.output, HasSubstr("lefft"));

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <mutex>
+#include <thread>
 
 #include "fast_dds_peer.h"
 
@@ -60,6 +61,7 @@ class TopicSinkTest : public ::testing::Test {
       addFrame(time += 0.01, planar(0.0), planar(0.0));
       return !edges().empty() && !samples().empty();
     }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // what is under way
     const std::lock_guard lock(mutex_);
     edges_.clear();
     samples_.clear();

@@ -2,12 +2,15 @@
 // A participant of a ROS 2 domain: which topics others publish, and serialised messages of them and
 // to them.
 #include <dds/dds.h>
+#include <dds/ddsrt/log.h>
 #include <headway/core/error.h>
 #include <headway/ros2/node.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -99,6 +102,18 @@ std::string configurationOf(const std::string& interface) {
                           std::to_string(kReceiveBuffer) + "B\"/></Internal></Domain></CycloneDDS>";
   const std::string users = environment("CYCLONEDDS_URI");
   return users.empty() ? own : own + "," + users;
+}
+
+/// Passes on the first messages of Cyclone DDS alone: it has one for each malformed packet.
+void limitLog() {
+  static std::atomic<int> left{10};
+  const auto print = [](void*, const dds_log_data_t* data) {
+    const int before = left.fetch_sub(1);
+    if (before <= 0) left = 0;
+    if (before > 0) std::fprintf(stderr, "Cyclone DDS: %s", data->message);
+    if (before == 1) std::fputs("Cyclone DDS: further messages are not printed\n", stderr);
+  };
+  dds_set_log_sink(print, nullptr);
 }
 
 /// What to do about receive buffers that the system limits; empty: nothing.
@@ -197,6 +212,7 @@ class Node::Implementation {
   explicit Implementation(const NodeOptions& options) : name_(options.name) {
     const auto domain = static_cast<dds_domainid_t>(domainOf(options));
     const std::string interface = interfaceOf(options);
+    limitLog();
     // A program's second node in a domain shares the settings of the first one.
     domain_ = dds_create_domain(domain, configurationOf(interface).c_str());
     const bool is_shared = domain_ == DDS_RETCODE_PRECONDITION_NOT_MET;

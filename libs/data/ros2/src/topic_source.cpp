@@ -382,7 +382,6 @@ class TopicSource::Implementation {
 
   void addImage(std::size_t side, const BagTopic& topic, std::string_view message) {
     if (!first_image_s_) first_image_s_ = monotonicSeconds();
-    if (!rig_) return skip("before_calibration", "");
     const bool is_stereo = !selection_.left.empty();
     const bool is_depth = !is_stereo && side == 1;
     MessageHeader header;
@@ -390,6 +389,7 @@ class TopicSource::Implementation {
     if (const auto* reason = std::get_if<std::string>(&converted)) {
       return skip(*reason, topic.name);
     }
+    if (!rig_) return skip("before_calibration", "");
     const auto& image = std::get<cv::Mat>(converted);
     const io::RawCamera& lens = is_stereo ? (side == 0 ? rig_->stereo.left : rig_->stereo.right)
                                           : (side == 0 ? rig_->color : rig_->depth);
