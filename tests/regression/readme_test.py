@@ -78,6 +78,7 @@ RUN_BY = {
     "tests/packages/debian13.sh": ("tests/packages/CMakeLists.txt", "/debian13.sh"),
     "cmake --install": ("tests/consumer/build_and_run.cmake", "--install ${BUILD_DIR} --prefix"),
     "doxygen doc/Doxyfile": ("tests/style/doxygen.sh", "doc/Doxyfile"),
+    "headway-live --ros2": ("tests/ros2/live_ros2_test.cpp", "--ros2 "),
 }
 LIVE_SECONDS = 60
 

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot program: topics of another implementation through a session to topics.
+#include <gmock/gmock.h>
+#include <headway/ros2/topic_sink.h>
+#include <headway/ros2/topic_source.h>
+#include <headway_test/paths.h>
+#include <headway_test/waiting.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "robot.h"
+
+namespace headway::ros2 {
+namespace {
+
+using test::FastDdsPeer;
+using test::waitUntil;
+
+TEST(Ros2SessionTest, TopicsOfARobotBecomeTopicsOfItsSurroundings) {
+  using namespace sensor_msgs::msg::dds_;
+  setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  const int domain = test::domainOfThisTest();
+  FastDdsPeer peer(domain);
+  test::Robot robot(peer, std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog");
+  std::mutex mutex;
+  std::set<long> stamps;  // of the odometry, in tenths of milliseconds
+  std::atomic<std::size_t> clouds{0}, points{0}, costmaps{0}, boxes{0}, maps{0};
+  const auto odometry = peer.reader<nav_msgs::msg::dds_::Odometry_PubSubType>(
+      "rt/headway/odometry", {true, false, 1000}, [&](const auto& message) {
+        const auto& stamp = message.header().stamp();
+        const std::lock_guard lock(mutex);
+        stamps.insert(std::lround(1e4 * (stamp.sec() + 1e-9 * stamp.nanosec())));
+      });
+  const auto obstacles = peer.reader<PointCloud2_PubSubType>(
+      "rt/headway/obstacles", {true, false, 100}, [&](const auto& message) {
+        ++clouds;
+        points += message.width();
+      });
+  using Grid = nav_msgs::msg::dds_::OccupancyGrid_PubSubType;
+  const auto costmap =
+      peer.reader<Grid>("rt/headway/local_costmap", {}, [&](const auto&) { ++costmaps; });
+  const auto map = peer.reader<Grid>("rt/map", {true, true, 1}, [&](const auto&) { ++maps; });
+  const auto tracks = peer.reader<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(
+      "rt/headway/detections", {},
+      [&](const auto& message) { boxes += message.detections().size(); });
+
+  Node node({"headway", domain, ""});
+  io::LiveSource live;
+  Ros2SinkParams params;
+  params.odom_base = true;
+  TopicSink sink(node, params);
+  TopicSource topics(node, {}, {},
+                     {[&](const auto& observation) {
+                        live.push(observation);
+                        sink.addObservation(*observation);
+                      },
+                      {},
+                      {}});
+  topics.start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << topics.missing();
+  const std::atomic<bool> stop{false};
+  std::set<long> sent;
+  robot.on_frame = [&](Time time, double) { sent.insert(std::lround(1e4 * time)); };
+  std::thread player([&] {
+    (void)robot.play(0.5, stop);
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    live.close();
+  });
+  run::SensorFrames source(live);
+  std::size_t tracked = 0;
+  {
+    pipeline::Perception perception(source.camera(), pipeline::PerceptionParams::live());
+    run::Session session(source, perception, {&sink});
+    while (const auto result = session.next()) {
+      if (slam::isTracked(result->update.camera.status)) ++tracked;
+    }
+    session.complete();
+  }
+  player.join();
+  EXPECT_GT(tracked, sent.size() / 4)
+      << topics.missing();  // others came too fast for a busy machine
+  EXPECT_TRUE(waitUntil([&] {
+    const std::lock_guard lock(mutex);
+    return stamps.size() >= tracked;
+  }));
+  for (const long stamp : stamps) EXPECT_EQ(sent.count(stamp), 1U) << stamp;
+  EXPECT_GT(clouds, 0U);
+  EXPECT_GT(points, 0U);
+  EXPECT_GT(costmaps, 0U);
+  EXPECT_GT(maps, 0U);
+  EXPECT_GT(boxes, 0U);
+  std::printf("%zu of %zu frames, %zu clouds of %zu points, %zu boxes\n", tracked, sent.size(),
+              clouds.load(), points.load(), boxes.load());
+}
+
+}  // namespace
+}  // namespace headway::ros2
