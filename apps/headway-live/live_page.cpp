@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page of a live run: what it shows as JSON and pictures, and its server.
+// The page of a live run: what it shows as JSON and pictures.
 #include "live_page.h"
 
 #include <headway/core/ellipse.h>
 #include <headway/core/error.h>
 #include <headway/core/object_class.h>
 #include <headway/core/stage_times.h>
-#include <httplib.h>
 
 #include <array>
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <cstdio>
 #include <deque>
 #include <mutex>
@@ -20,9 +16,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <string>
-#include <thread>
 
 #include "page_files.h"
+#include "page_server.h"
 
 namespace headway::live {
 namespace {
@@ -194,16 +190,16 @@ std::string jsonOf(const LiveView& view, const LivePictures* pictures, const Dri
 }
 
 /// The frame's left image as JPEG; empty without images.
-std::string jpegOf(const RecordedFrame& frame) {
-  if (!frame.stereo) return {};
-  const auto& colour = frame.stereo->left_colour;
-  return encoded(".jpg", colour.empty() ? frame.stereo->left : colour,
+std::string jpegOf(const LivePictures& pictures) {
+  const auto& stereo = pictures.frame.stereo;
+  if (!stereo) return {};
+  return encoded(".jpg", stereo->left_colour.empty() ? stereo->left : stereo->left_colour,
                  {cv::IMWRITE_JPEG_QUALITY, 75});
 }
 
 /// The occupancy grid as PNG with transparent unknown cells, greatest y first; empty without one.
-std::string pngOf(const map::PerceptionMap& map) {
-  const auto grid = map.staticGrid();
+std::string pngOf(const LivePictures& pictures) {
+  const auto grid = pictures.map.staticGrid();
   if (!grid) return {};
   const auto columns = static_cast<int>(grid->getSizeX());
   const auto rows = static_cast<int>(grid->getSizeY());
@@ -219,13 +215,6 @@ std::string pngOf(const map::PerceptionMap& map) {
   return encoded(".png", picture, {cv::IMWRITE_PNG_COMPRESSION, 1});
 }
 
-using httplib::Request;
-using httplib::Response;
-
-constexpr int kMaxPages = 4;                  // open at a time; each holds a thread
-constexpr int kPageThreads = 12 + kMaxPages;  // browsers keep several connections
-constexpr int kHealthThreads = 2;  // a client that keeps one busy does not hide the health
-constexpr const char* kCookie = "headway_token";
 constexpr const char* kLocal = "127.0.0.1";
 
 std::string randomToken() {
@@ -235,154 +224,68 @@ std::string randomToken() {
   return text.data();
 }
 
-/// Compares without revealing by its duration where the first difference is.
-bool isEqual(const std::string& a, const std::string& b) {
-  unsigned char difference = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
-    difference = static_cast<unsigned char>(difference | (a[i] ^ b[i]));
-  }
-  return difference == 0;
+Answer answerOf(std::string content, const char* type, int status = 200) {
+  return {status, type, std::make_shared<const std::string>(std::move(content))};
 }
 
-std::string cookieOf(const Request& request) {
-  const std::string all = "; " + request.get_header_value("Cookie");
-  const std::string name = std::string("; ") + kCookie + "=";
-  const auto begin = all.find(name);
-  if (begin == std::string::npos) return {};
-  return all.substr(begin + name.size(), all.find(';', begin + name.size()) - begin - name.size());
-}
-
-httplib::Headers securityHeaders() {
-  return {{"Content-Security-Policy",
-           "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-           "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
-          {"X-Content-Type-Options", "nosniff"},
-          {"Referrer-Policy", "no-referrer"},
-          {"Cross-Origin-Resource-Policy", "same-origin"},
-          {"Cache-Control", "no-store"}};
-}
-
-/// Serves GET requests that name its address as their host and have its token, if there is one.
-class Server {
+/// A picture of the newest frame that has one, encoded when it is first asked for.
+class EncodedPicture {
  public:
-  using Handler = std::function<void(Response&)>;
+  using Encode = std::string (*)(const LivePictures&);
 
-  /// @param token    empty: none is needed
-  /// @param threads  one for each connection that is served at a time
-  Server(std::string address, std::string token, int threads)
-      : address_(std::move(address)), token_(std::move(token)) {
-    server_.new_task_queue = [threads] { return new httplib::ThreadPool(threads); };
-    // httplib's default, SO_REUSEPORT, would share the port with other programs.
-    server_.set_socket_options([](socket_t socket) {
-      const int on = 1;
-      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    });
-    server_.set_default_headers(securityHeaders());
-    server_.set_pre_routing_handler(
-        [this](const Request& request, Response& response) { return admit(request, response); });
-  }
-  ~Server() {
-    server_.stop();
-    if (thread_.joinable()) thread_.join();
-  }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
+  EncodedPicture(const char* type, Encode encode) : type_(type), encode_(encode) {}
 
-  void get(const char* path, Handler handler) {
-    server_.Get(path, [handler = std::move(handler)](const Request&, Response& response) {
-      handler(response);
-    });
-  }
-  void get(const char* path, const char* text, const char* type) {
-    get(path, [=](Response& response) { response.set_content(text, type); });
-  }
-
-  /// @param port    0: any free one
-  /// @param option  of the command line, for the error
-  /// @throws InputError
-  void start(int port, const std::string& option) {
-    port_ = port == 0 ? server_.bind_to_any_port(address_) : port;
-    const bool is_bound = port == 0 ? port_ > 0 : server_.bind_to_port(address_, port_);
-    if (!is_bound) {
-      throw InputError(option + ": " + address_ + ":" + std::to_string(port) +
-                       " cannot be served; the port is taken, or no interface has this address");
+  Answer answer(std::shared_ptr<const LivePictures> pictures) {
+    if (pictures != pictures_) {
+      bytes_ = std::make_shared<const std::string>(encode_(*pictures));
+      pictures_ = std::move(pictures);
     }
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) std::this_thread::yield();
-  }
-
-  [[nodiscard]] std::string url() const {
-    return "http://" + address_ + ":" + std::to_string(port_) + "/";
+    if (!bytes_ || bytes_->empty()) return answerOf("no picture\n", "text/plain", 404);
+    return {200, type_, bytes_};
   }
 
  private:
-  using Result = httplib::Server::HandlerResponse;
-
-  Result admit(const Request& request, Response& response) const {
-    const auto host = request.get_header_value("Host");
-    const std::string port = ":" + std::to_string(port_);
-    const bool is_known =
-        host == address_ + port || (address_ == kLocal && host == "localhost" + port);
-    const auto given =
-        request.has_param("token") ? request.get_param_value("token") : cookieOf(request);
-    if (is_known && (token_.empty() || isEqual(given, token_))) return Result::Unhandled;
-    response.status = 403;
-    response.set_content("forbidden: open the address that headway-live prints\n", "text/plain");
-    return Result::Handled;
-  }
-
-  const std::string address_;
-  const std::string token_;
-  int port_ = 0;
-  httplib::Server server_;
-  std::thread thread_;
+  const char* type_;
+  Encode encode_;
+  std::shared_ptr<const LivePictures> pictures_;  ///< that are encoded
+  std::shared_ptr<const std::string> bytes_;
 };
 
 }  // namespace
 
 class LivePage::Implementation {
  public:
-  explicit Implementation(const LivePageOptions& options)
-      : token_(options.address == kLocal ? "" : randomToken()) {
+  explicit Implementation(const LivePageOptions& options) {
     if (options.port) {
-      addRoutes(page_.emplace(options.address, token_, kPageThreads));
+      addRoutes(page_.emplace(options.address, options.address == kLocal ? "" : randomToken()));
       page_->start(*options.port, "--show");
     }
     if (options.health_port) {
-      health_.emplace(kLocal, "", kHealthThreads);
-      health_->get("/health", [this](Response& response) {
+      health_.emplace(kLocal, "");
+      health_->get("/health", [this] {
         const auto [text, is_well] = healthOf(views().first.get());
-        response.status = is_well ? 200 : 503;
-        response.set_content(text + "\n", "application/json");
+        return answerOf(text + "\n", "application/json", is_well ? 200 : 503);
       });
       health_->start(*options.health_port, "--health");
     }
   }
 
-  ~Implementation() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_ending_ = true;
-    }
-    changed_.notify_all();
+  void end() {
+    if (page_) page_->end();
+    if (health_) health_->end();
   }
 
-  std::string url() const {
-    return page_ ? page_->url() + (token_.empty() ? "" : "?token=" + token_) : "";
-  }
+  std::string url() const { return page_ ? page_->url() : ""; }
   std::string healthUrl() const { return health_ ? health_->url() + "health" : ""; }
 
   void show(LiveView view) {
     auto next = std::make_shared<const LiveView>(std::move(view));
-    {
-      const std::lock_guard lock(mutex_);
-      if (slam::isTracked(next->update.camera.status)) {
-        path_.add(next->update.camera.T_map_robot);
-      }
-      view_.swap(next);
-      ++views_;
+    const std::lock_guard lock(mutex_);
+    if (slam::isTracked(next->update.camera.status)) {
+      path_.add(next->update.camera.T_map_robot);
     }
-    changed_.notify_all();
+    view_.swap(next);
+    ++views_;
   }
 
   void draw(LivePictures pictures) {
@@ -393,60 +296,32 @@ class LivePage::Implementation {
   }
 
  private:
-  void addRoutes(Server& server) {
-    server.get("/", [this](Response& response) {
-      if (!token_.empty()) {
-        response.set_header("Set-Cookie", std::string(kCookie) + "=" + token_ +
-                                              "; HttpOnly; SameSite=Strict; Path=/");
-      }
-      response.set_content(kPageHtml, "text/html; charset=utf-8");
+  void addRoutes(PageServer& server) {
+    server.get("/", [&server] {
+      Answer page = answerOf(kPageHtml, "text/html; charset=utf-8");
+      page.cookie = server.cookie();
+      return page;
     });
     server.get("/page.css", kPageCss, "text/css");
     server.get("/top_view.js", kTopViewScript, "text/javascript; charset=utf-8");
     server.get("/page.js", kPageScript, "text/javascript; charset=utf-8");
-    server.get("/image.jpg", [this](Response& response) {
-      const auto pictures = views().second;
-      sendPicture(pictures ? jpegOf(pictures->frame) : "", "image/jpeg", response);
+    server.get("/image.jpg", [this] { return image_.answer(views().second); });
+    server.get("/grid.png", [this] { return grid_.answer(views().second); });
+    server.stream("/events", [this] {
+      return
+          [this, sent = std::size_t{0}, sent_s = 0.0]() mutable { return nextEvent(sent, sent_s); };
     });
-    server.get("/grid.png", [this](Response& response) {
-      const auto pictures = views().second;
-      sendPicture(pictures ? pngOf(pictures->map) : "", "image/png", response);
-    });
-    server.get("/events", [this](Response& response) { sendEvents(response); });
-  }
-
-  static void sendPicture(const std::string& bytes, const char* type, Response& response) {
-    if (bytes.empty()) {
-      response.status = 404;
-      return;
-    }
-    response.set_content(bytes, type);
-  }
-
-  void sendEvents(Response& response) {
-    if (pages_.fetch_add(1) >= kMaxPages) {
-      --pages_;
-      response.status = 503;
-      return;
-    }
-    auto sent = std::make_shared<std::size_t>(0);
-    response.set_chunked_content_provider(
-        "text/event-stream",
-        [this, sent](std::size_t, httplib::DataSink& sink) {
-          const std::string text = nextEvent(*sent);
-          return !text.empty() && sink.write(text.data(), text.size());
-        },
-        [this](bool) { --pages_; });
   }
 
   /// The next event after view number `sent`, at most ten a second, or after a second a comment, so
-  /// that a browser that has gone is noticed; empty at the end.
-  std::string nextEvent(std::size_t& sent) {
+  /// that a browser that has gone is noticed; empty if it is not time yet.
+  std::string nextEvent(std::size_t& sent, double& sent_s) const {
+    const double passed_s = monotonicSeconds() - sent_s;
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::milliseconds(100), [this] { return is_ending_; });
-    changed_.wait_for(lock, std::chrono::seconds(1), [&] { return is_ending_ || views_ > sent; });
-    if (is_ending_) return {};
-    if (views_ == sent) return ":\n\n";
+    const bool is_new = views_ != sent;
+    if (passed_s < (is_new ? 0.1 : 1.0)) return {};
+    sent_s += passed_s;
+    if (!is_new) return ":\n\n";
     sent = views_;
     const auto view = view_;
     const auto pictures = pictures_;
@@ -462,23 +337,23 @@ class LivePage::Implementation {
     return {view_, pictures_};
   }
 
-  const std::string token_;  ///< empty: not needed
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
   std::shared_ptr<const LiveView> view_;  // guarded by mutex_, like the members below
   std::shared_ptr<const LivePictures> pictures_;
   DrivenPath path_;
   std::size_t grid_version_ = 0;
   std::size_t views_ = 0;
-  bool is_ending_ = false;
-  std::atomic<int> pages_{0};            ///< open event streams
-  std::optional<Server> page_, health_;  // last members, so that they end before the others
+  EncodedPicture image_{"image/jpeg", jpegOf};  // used by the page's thread alone, like the next
+  EncodedPicture grid_{"image/png", pngOf};
+  std::optional<PageServer> page_, health_;  // last members, so that they end before the others
 };
 
 LivePage::LivePage(const LivePageOptions& options)
     : implementation_(std::make_unique<Implementation>(options)) {}
 
-LivePage::~LivePage() = default;
+LivePage::~LivePage() { end(); }
+
+void LivePage::end() { implementation_->end(); }
 
 std::string LivePage::url() const { return implementation_->url(); }
 

@@ -47,7 +47,8 @@ struct LivePictures {
 /// servers. Every text is escaped; a strict content security policy forbids everything else.
 /// Requests must name the served address as their host, so that no other web site can read them
 /// through the user's browser. On another address than 127.0.0.1 they need the token that url()
-/// contains. Pictures are encoded by the server's threads, and only while a page is open.
+/// contains. Pictures are encoded by the server's thread, and only while a page is open. What
+/// clients may take is limited by PageServer.
 ///
 /// GET /health on the health's port needs no token: JSON with status, submap, age and latency of
 /// the newest frame, sensors and warnings. 200 while the camera is tracked, in whichever submap,
@@ -61,7 +62,7 @@ class LivePage {
  public:
   /// @throws InputError if the address cannot be used or a port is taken
   explicit LivePage(const LivePageOptions& options);
-  ~LivePage();  ///< ends all connections
+  ~LivePage();  ///< as end()
   LivePage(const LivePage&) = delete;
   LivePage& operator=(const LivePage&) = delete;
 
@@ -73,6 +74,9 @@ class LivePage {
   void show(LiveView view);
   /// Replaces the pictures likewise.
   void draw(LivePictures pictures);
+
+  /// Ends all connections at once; nothing is served any more.
+  void end();
 
  private:
   class Implementation;

@@ -246,15 +246,16 @@ std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
 
 /// Prints one line a second in a thread of its own: pose, tracking, tracks, latency and drops.
 ///
-/// Ends the input within about 50 ms of an interrupt, also while no frames arrive.
+/// Ends input and page within about 50 ms of an interrupt, also while no frames arrive.
 class StatusLine : public run::Sink {
  public:
   /// @param quiet  prints nothing
-  /// @param ros2   null: none
-  StatusLine(bool quiet, io::LiveSource& source, double pair_tolerance_s,
+  /// @param page, ros2  null: none
+  StatusLine(bool quiet, io::LiveSource& source, live::LivePage* page, double pair_tolerance_s,
              const live::Ros2Connection* ros2)
       : quiet_(quiet),
         source_(source),
+        page_(page),
         pair_tolerance_s_(pair_tolerance_s),
         ros2_(ros2),
         thread_([this] { run(); }) {}
@@ -279,6 +280,7 @@ class StatusLine : public run::Sink {
 
   bool quiet_;
   io::LiveSource& source_;
+  live::LivePage* page_;
   double pair_tolerance_s_;
   const live::Ros2Connection* ros2_;
   std::mutex mutex_;
@@ -294,7 +296,10 @@ void StatusLine::run() {
   auto due = Clock::now() + std::chrono::seconds(1);
   bool is_said = false;
   while (!stopping_) {
-    if (program::interrupted()) source_.close();
+    if (program::interrupted()) {
+      source_.close();
+      if (page_ != nullptr) page_->end();
+    }
     if (Clock::now() >= due) {
       due += std::chrono::seconds(1);
       const std::string line = text();
@@ -427,7 +432,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     ros2->start();
   }
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
-  StatusLine status(quiet, source, options.pair_tolerance_s, topics);
+  StatusLine status(quiet, source, page.get(), options.pair_tolerance_s, topics);
   if (sensors) sensors->start();
   if (!waitForCamera(source, options.pair_tolerance_s, topics)) return;
   replay::Replay pipeline(options.run, std::make_unique<LiveFrames>(source, topics), params,

@@ -6,11 +6,12 @@
 #include <headway/core/error.h>
 #include <headway/core/stage_times.h>
 #include <headway_test/folders.h>
+#include <headway_test/http_client.h>
 #include <headway_test/process.h>
 #include <headway_test/waiting.h>
 #include <headway_test/walking_track.h>
-#include <httplib.h>
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
@@ -62,34 +63,41 @@ class LivePageTest : public ::testing::Test {
     return std::stoi(url.substr(url.rfind(':') + 1));
   }
 
+  /// Gets what a page on 127.0.0.1 serves.
+  static test::HttpResponse get(const LivePage& page, const std::string& path) {
+    return test::httpGet("127.0.0.1", portOf(page), path);
+  }
+
   /// The first event of the stream.
-  static std::string firstEvent(httplib::Client& client) {
+  static nlohmann::json firstEvent(const LivePage& page) {
+    test::Connection connection("127.0.0.1", portOf(page));
+    connection.send(test::httpRequest("/events", "127.0.0.1:" + std::to_string(portOf(page))));
     std::string text;
-    (void)client.Get("/events", [&](const char* data, std::size_t size) {
-      text.append(data, size);
-      return text.find("data:") == std::string::npos || text.find("\n\n") == std::string::npos;
+    (void)test::waitUntil([&] {
+      text += connection.receive(0).value_or("");
+      const auto data = text.find("data:");
+      return data != std::string::npos && text.find("\n\n", data) != std::string::npos;
     });
-    return text;
+    return nlohmann::json::parse(text.substr(text.find('{')));
   }
 };
 
 TEST_F(LivePageTest, ServesThePageWithAStrictPolicyAndNothingFromElsewhere) {
   LivePage page({});
   EXPECT_THAT(page.url(), StartsWith("http://127.0.0.1:"));
-  httplib::Client client("127.0.0.1", portOf(page));
   for (const char* path : {"/", "/page.js", "/top_view.js", "/page.css"}) {
-    const auto response = client.Get(path);
-    ASSERT_TRUE(response) << path;
-    EXPECT_EQ(200, response->status);
-    EXPECT_THAT(response->get_header_value("Content-Security-Policy"),
+    const auto response = get(page, path);
+    EXPECT_EQ(200, response.status) << path;
+    EXPECT_THAT(response.field("Content-Security-Policy"),
                 HasSubstr("default-src 'none'; script-src 'self'; style-src 'self'"));
-    EXPECT_EQ("nosniff", response->get_header_value("X-Content-Type-Options"));
-    EXPECT_THAT(response->body, Not(HasSubstr("http://")));
-    EXPECT_THAT(response->body, Not(HasSubstr("https://")));
-    EXPECT_THAT(response->body, Not(HasSubstr("innerHTML")));
+    EXPECT_EQ("nosniff", response.field("X-Content-Type-Options"));
+    EXPECT_EQ(std::to_string(response.body.size()), response.field("Content-Length"));
+    EXPECT_THAT(response.body, Not(HasSubstr("http://")));
+    EXPECT_THAT(response.body, Not(HasSubstr("https://")));
+    EXPECT_THAT(response.body, Not(HasSubstr("innerHTML")));
   }
-  EXPECT_EQ(404, client.Get("/image.jpg")->status) << "there is no frame yet";
-  EXPECT_EQ(404, client.Get("/../../etc/passwd")->status);
+  EXPECT_EQ(404, get(page, "/image.jpg").status) << "there is no frame yet";
+  EXPECT_EQ(404, get(page, "/../../etc/passwd").status);
 }
 
 TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
@@ -97,9 +105,7 @@ TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   page.show(exampleView(3));
   page.draw(examplePictures(4));
   page.show(exampleView(4));
-  httplib::Client client("127.0.0.1", portOf(page));
-  const std::string event = firstEvent(client);
-  const auto json = nlohmann::json::parse(event.substr(event.find('{')));
+  const auto json = firstEvent(page);
   EXPECT_EQ(4, json.at("frame"));
   EXPECT_EQ("tracked", json.at("status"));
   EXPECT_EQ(45.0, json.at("latency_ms"));
@@ -108,11 +114,11 @@ TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   EXPECT_EQ(20.0, json.at("tracks")[0].at("box")[1]);
   EXPECT_FALSE(json.at("tracks")[0].at("paths")[0].at("points").empty());
   EXPECT_EQ("the plug was pulled", json.at("sensors")[0].at("error"));
-  const auto image = client.Get("/image.jpg");
-  const std::vector<char> jpeg(image->body.begin(), image->body.end());
+  const std::string image = get(page, "/image.jpg").body;
+  const std::vector<char> jpeg(image.begin(), image.end());
   EXPECT_EQ(cv::Size(80, 60), cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE).size());
-  const auto grid = client.Get("/grid.png");
-  const std::vector<char> png(grid->body.begin(), grid->body.end());
+  const std::string grid = get(page, "/grid.png").body;
+  const std::vector<char> png(grid.begin(), grid.end());
   const cv::Mat cells = cv::imdecode(png, cv::IMREAD_UNCHANGED);
   EXPECT_EQ(4, cells.channels());
   EXPECT_EQ(1, cv::countNonZero(cv::Mat(cells.reshape(1, cells.rows * cells.cols).col(3))));
@@ -125,15 +131,13 @@ TEST_F(LivePageTest, FiguresGoOnWhilePicturesAreLeftOut) {
   view.left_out = "without pictures";
   view.arrival_s -= 0.5;
   page.show(view);
-  httplib::Client client("127.0.0.1", portOf(page));
-  const std::string event = firstEvent(client);
-  const auto json = nlohmann::json::parse(event.substr(event.find('{')));
+  const auto json = firstEvent(page);
   EXPECT_EQ(9, json.at("frame"));
   EXPECT_GE(json.at("age_ms"), 500.0);
   EXPECT_EQ("without pictures", json.at("left_out"));
   EXPECT_EQ(4, json.at("pictures").at("frame"));
   EXPECT_LT(json.at("pictures").at("age_ms"), json.at("age_ms"));
-  EXPECT_EQ(200, client.Get("/image.jpg")->status) << "the last one";
+  EXPECT_EQ(200, get(page, "/image.jpg").status) << "the last one";
 }
 
 TEST_F(LivePageTest, HealthIsGoodWhileTrackedAndNoOlderThanASecond) {
@@ -142,11 +146,10 @@ TEST_F(LivePageTest, HealthIsGoodWhileTrackedAndNoOlderThanASecond) {
   const std::string url = page.healthUrl();
   EXPECT_THAT(url, StartsWith("http://127.0.0.1:"));
   const int port = std::stoi(url.substr(url.rfind(':') + 1));
-  httplib::Client client("127.0.0.1", port);
   const auto health = [&](int status) {
-    const auto response = client.Get("/health");
-    EXPECT_EQ(status, response->status) << response->body;
-    return nlohmann::json::parse(response->body);
+    const auto response = test::httpGet("127.0.0.1", port, "/health");
+    EXPECT_EQ(status, response.status) << response.body;
+    return nlohmann::json::parse(response.body);
   };
   EXPECT_EQ("waiting", health(503).at("status"));
   LiveView view = exampleView(3);
@@ -171,16 +174,17 @@ TEST_F(LivePageTest, HealthIsGoodWhileTrackedAndNoOlderThanASecond) {
   (void)health(200);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_GT(health(503).at("age_s"), 1.0) << "nothing has come since";
-  EXPECT_EQ(404, client.Get("/")->status);
-  EXPECT_EQ(403, client.Get("/health", {{"Host", "evil.example:" + std::to_string(port)}})->status);
+  EXPECT_EQ(404, test::httpGet("127.0.0.1", port, "/").status);
+  const std::string other = "evil.example:" + std::to_string(port);
+  EXPECT_EQ(403, test::httpGet("127.0.0.1", port, "/health", "", other).status);
 }
 
 TEST_F(LivePageTest, OtherHostNamesAreRejected) {
   LivePage page({});
-  httplib::Client client("127.0.0.1", portOf(page));
-  EXPECT_EQ(403,
-            client.Get("/", {{"Host", "evil.example:" + std::to_string(portOf(page))}})->status);
-  EXPECT_EQ(200, client.Get("/", {{"Host", "localhost:" + std::to_string(portOf(page))}})->status);
+  const std::string port = ":" + std::to_string(portOf(page));
+  for (const auto& [host, status] : {std::pair("evil.example", 403), std::pair("localhost", 200)}) {
+    EXPECT_EQ(status, test::httpGet("127.0.0.1", portOf(page), "/", "", host + port).status);
+  }
 }
 
 TEST_F(LivePageTest, AnotherAddressNeedsTheToken) {
@@ -188,15 +192,20 @@ TEST_F(LivePageTest, AnotherAddressNeedsTheToken) {
   const auto token_at = page.url().find("?token=");
   ASSERT_NE(std::string::npos, token_at) << page.url();
   const std::string query = page.url().substr(token_at);
-  httplib::Client client("127.0.0.2", portOf(page));
-  for (const char* path : {"/", "/page.js", "/events", "/image.jpg", "/?token=0"}) {
-    EXPECT_EQ(403, client.Get(path)->status) << path;
+  const auto get = [&](const std::string& path, const std::string& fields = "") {
+    return test::httpGet("127.0.0.2", portOf(page), path, fields);
+  };
+  for (const char* path :
+       {"/", "/page.js", "/events", "/image.jpg", "/?token=0", "/?", "/nothing"}) {
+    EXPECT_EQ(403, get(path).status) << path;
   }
-  const auto opened = client.Get("/" + query);
-  ASSERT_EQ(200, opened->status);
-  const std::string cookie = opened->get_header_value("Set-Cookie");
+  const auto opened = get("/" + query);
+  ASSERT_EQ(200, opened.status);
+  const std::string cookie = opened.field("Set-Cookie");
   EXPECT_THAT(cookie, HasSubstr("HttpOnly; SameSite=Strict"));
-  EXPECT_EQ(200, client.Get("/page.js", {{"Cookie", cookie.substr(0, cookie.find(';'))}})->status);
+  const std::string value = cookie.substr(0, cookie.find(';'));
+  EXPECT_EQ(200, get("/page.js", "Cookie: other=1; " + value + "\r\n").status);
+  EXPECT_EQ(403, get("/page.js", "Cookie: x" + value + "\r\n").status);
   EXPECT_EQ(query.size(), std::string("?token=").size() + 32);
   LivePage other({0, "127.0.0.2"});
   EXPECT_EQ(std::string::npos, other.url().find(query)) << "tokens differ";
@@ -207,21 +216,6 @@ TEST_F(LivePageTest, ATakenPortAndAnUnknownAddressAreErrors) {
   EXPECT_THROW(LivePage({portOf(page)}), InputError);
   EXPECT_THROW(LivePage({0, "203.0.113.7"}), InputError);
   EXPECT_THROW(LivePage({std::nullopt, "127.0.0.1", portOf(page)}), InputError);
-}
-
-TEST_F(LivePageTest, EndsWhileABrowserListens) {
-  auto page = std::make_unique<LivePage>(LivePageOptions());
-  page->show(exampleView(0));
-  httplib::Client client("127.0.0.1", portOf(*page));
-  std::string text;
-  std::thread ending;
-  (void)client.Get("/events", [&](const char* data, std::size_t size) {
-    text.append(data, size);
-    if (!ending.joinable()) ending = std::thread([&] { page.reset(); });
-    return true;
-  });
-  ending.join();
-  EXPECT_THAT(text, HasSubstr("data:"));
 }
 
 /// Chromium without a window, ended by the destructor.
@@ -237,13 +231,16 @@ class Browser {
   ~Browser() { (void)test::runProcess("kill " + std::to_string(process_) + "; sleep 0.5"); }
 
   /// Waits until the page's title, which the script sets after drawing, has this text.
-  [[nodiscard]] std::string waitForTitle(const std::string& text) const {
+  ///
+  /// @param show  called before each look
+  [[nodiscard]] std::string waitForTitle(
+      const std::string& text, const std::function<void()>& show = [] {}) const {
     std::string titles;
     (void)test::waitUntil([&] {
+      show();
       const std::string port = test::contentsOf(folder_ / "profile/DevToolsActivePort");
       if (port.find('\n') == std::string::npos) return false;
-      const auto pages = httplib::Client("127.0.0.1", std::stoi(port)).Get("/json/list");
-      titles = pages ? pages->body : "";
+      titles = test::httpGet("127.0.0.1", std::stoi(port), "/json/list").body;
       return titles.find(text) != std::string::npos;
     });
     return titles;
@@ -258,11 +255,12 @@ class Browser {
 TEST_F(LivePageTest, ChromiumDrawsTheNewestFrame) {
   LivePage page({});
   page.draw(examplePictures(3));
-  page.show(exampleView(3));
   const Browser browser(page.url());
-  EXPECT_THAT(browser.waitForTitle("tracked, frame 3"), HasSubstr("tracked, frame 3"));
-  page.show(exampleView(4));  // its picture is left out
-  EXPECT_THAT(browser.waitForTitle("tracked, frame 4"), HasSubstr("tracked, frame 4"));
+  for (const std::size_t frame : {3, 4}) {  // the picture of the second one is left out
+    const std::string title = "tracked, frame " + std::to_string(frame);
+    EXPECT_THAT(browser.waitForTitle(title, [&] { page.show(exampleView(frame)); }),
+                HasSubstr(title));
+  }
   EXPECT_THAT(browser.waitForTitle("no frame for"), HasSubstr("tracked before, frame 4"));
   EXPECT_THAT(browser.output(), Not(HasSubstr("Content Security Policy")));
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-live as a user runs it, on a camera that is a rawlog.
 #include <gmock/gmock.h>
+#include <headway/core/recorded_frame.h>
 #include <headway_test/folders.h>
+#include <headway_test/http_client.h>
 #include <headway_test/process.h>
 #include <headway_test/repeats.h>
 #include <headway_test/waiting.h>
-#include <httplib.h>
 
 #include <array>
 #include <csignal>
@@ -13,9 +14,11 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <regex>
 
 namespace headway::drivers {
@@ -82,17 +85,28 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
       "pose_z = 1.65\npose_yaw = -90\npose_roll = -90\n");
   const std::string out = folder_ / "out";
   const std::string recorded = folder_ / "live.rawlog";
-  std::string health;  // while it ran
+  std::string health;                    // while it ran
+  std::optional<test::Connection> slow;  // a client that holds the health's server
+  std::future<double> closed_s;
+  double signalled_s = 0.0;
   const auto isGood = [&](const std::string& output) {
     std::smatch port;
     if (!std::regex_search(output, port, std::regex("health: http://127.0.0.1:([0-9]+)/health")))
       return false;
-    const auto response = httplib::Client("127.0.0.1", std::stoi(port[1])).Get("/health");
-    if (response && response->status == 200) health = response->body;
-    return !health.empty() && trackedFrames(output) >= 12;
+    const auto response = test::httpGet("127.0.0.1", std::stoi(port[1]), "/health");
+    if (response.status == 200) health = response.body;
+    if (health.empty() || trackedFrames(output) < 12) return false;
+    slow.emplace("127.0.0.1", std::stoi(port[1]));
+    closed_s = std::async(std::launch::async, [&] {
+      (void)slow->receiveAll();
+      return monotonicSeconds();
+    });
+    signalled_s = monotonicSeconds();
+    return true;
   };
   const auto run =
       live("--sensors " + ini + " -o " + out + " --health 0 --record " + recorded, isGood);
+  EXPECT_LT(closed_s.get() - signalled_s, 0.5);
   EXPECT_EQ(run.status, 0) << run.output;
   EXPECT_THAT(health, HasSubstr("\"status\":\"tracked\""));
   EXPECT_THAT(health, HasSubstr("\"sensors\":[{\"name\":\"CAM\""));
