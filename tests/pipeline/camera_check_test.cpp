@@ -37,13 +37,29 @@ TEST(CameraCheckTest, NamesImagesThatComeAgain) {
   EXPECT_FALSE(check.isFrozen());
 }
 
-TEST(CameraCheckTest, OneRepeatedImageOfTwoIsNotAFrozenCamera) {
+TEST(CameraCheckTest, NamesWhatIsWrongWithOneOfTwo) {
   CameraCheck check;
   auto frame = frameOf(0, 100.0, 0);
   (void)check.add(frame);
+  const auto expectOne = [&](const char* text) {
+    const Findings findings = check.add(frame);
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ("one_image", findings.back().name);
+    EXPECT_EQ(0U, findings.back().text.rfind(text, 0)) << findings.back().text;
+    EXPECT_TRUE(check.isOneMissing());
+    EXPECT_FALSE(check.isFrozen());
+  };
   frame.left = frame.left.clone();
   frame.right = frameOf(1, 100.0, 1).right;
-  EXPECT_TRUE(check.add(frame).empty());
+  expectOne("the left image comes again");
+  frame = frameOf(2, 100.0, 2);
+  frame.right = frame.left;
+  expectOne("left and right image are the same");
+  frame = frameOf(3, 100.0, 3);
+  frame.left.setTo(0);
+  expectOne("the left image shows nothing");
+  EXPECT_TRUE(check.add(frameOf(4, 100.0, 4)).empty());
+  EXPECT_FALSE(check.isOneMissing());
 }
 
 TEST(CameraCheckTest, ImagesWithoutStructureAreNotAFrozenCamera) {

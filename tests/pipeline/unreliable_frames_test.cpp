@@ -83,6 +83,21 @@ TEST_F(UnreliableFramesTest, AFrozenCameraAddsNothingToTheMap) {
   EXPECT_EQ(update.objects.detections_used, 1U);
 }
 
+TEST_F(UnreliableFramesTest, AFrozenLeftImageIsUnreliableUntilASecondAfter) {
+  drive(12);
+  const RecordedFrame seen = next();
+  (void)perception_->process(seen);
+  for (int i = 0; i < 17; ++i) {
+    RecordedFrame frame = next();
+    if (i < 8) frame.stereo->left = seen.stereo->left.clone();
+    const auto status = perception_->process(frame).camera.status;
+    EXPECT_TRUE(status == TrackingStatus::kUnreliable || status == TrackingStatus::kLost) << i;
+  }
+  EXPECT_EQ(perception_->warnings().at("one_image").count, 8U);
+  for (int i = 0; i < 5; ++i) (void)perception_->process(next());
+  drive(3);
+}
+
 TEST_F(UnreliableFramesTest, ImagesOfAnotherSizeChangeNothing) {
   drive(5);
   RecordedFrame frame = next();

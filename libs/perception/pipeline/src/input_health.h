@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks of the input: images, mounting, scale, clock, wheels and inertial sensor.
+// Checks of the input: mounting, scale, clock, wheels and inertial sensor.
 #pragma once
 
 #include <headway/core/log.h>
@@ -8,59 +8,16 @@
 #include <headway/pipeline/perception_update.h>
 #include <headway/stereo/frame_context.h>
 
-#include <array>
 #include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "camera_check.h"
 #include "frame_state.h"
 #include "stereo_check.h"
 
 namespace headway::pipeline {
-
-/// Tells what is wrong with a camera's images: the same ones again, without light, overexposed; and
-/// why nothing could be tracked in them.
-///
-/// Identical images appear as a camera at rest, although noise never repeats. Rows at a fixed
-/// distance are compared, so that the cost is negligible.
-class CameraCheck {
- public:
-  CameraCheck();
-
-  /// Takes the images of each frame.
-  ///
-  /// @return "camera_dark" or "camera_bright" if an image contains no structure and hardly any
-  ///         light, or nothing else; "camera_frozen" if both contain structure and equal those of
-  ///         the frame before
-  [[nodiscard]] Findings add(const StereoFrame& frame);
-  /// Whether the newest images came before.
-  [[nodiscard]] bool isFrozen() const { return is_frozen_; }
-
-  /// Measures the image of a tracked frame.
-  ///
-  /// @param landmarks  that were tracked in it
-  /// @return  "blurred" if its edges are wider than usual and less than half of the usual landmarks
-  ///          are tracked
-  [[nodiscard]] std::optional<Finding> addTracked(const StereoFrame& frame, int landmarks);
-  /// Why the camera is lost, by its image and those of tracked frames: "lost_too_dark",
-  /// "lost_covered" (even grey: a lens cover, a wall, fog), "lost_blurred" (by motion or focus),
-  /// "lost_few_features" (a sharp image of surfaces without texture) or "lost_moved_too_fast" (a
-  /// usable image of another view than before).
-  [[nodiscard]] Finding lossOf(const StereoFrame& frame) const;
-
- private:
-  cv::Mat left_;  ///< of the frame before; empty in the first
-  cv::Mat right_;
-  bool is_frozen_ = false;
-  /// Says how blurred an image with edges of these widths is, along rows and columns [px]; empty if
-  /// it is not.
-  [[nodiscard]] std::string blurOf(const std::array<double, 2>& widths) const;
-
-  std::array<double, 2> sharpest_;   ///< widths of edges in tracked frames, recently [px]
-  std::optional<Time> measured_;     ///< time of the last measurement
-  std::optional<double> landmarks_;  ///< usual ones of sharp frames
-};
 
 /// Recognises a wrong pose of the camera on the robot from the first images.
 ///
@@ -275,6 +232,7 @@ class InputHealth {
   std::optional<FloorCheck> floor_check_;
   std::optional<ScaleCheck> scale_check_;
   slam::ImageEvidence images_ = slam::ImageEvidence::kNone;
+  std::optional<Time> disagreed_;  ///< of the last frame whose images contradict each other
   Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();  ///< of the right camera, in the frame before
   bool was_localised_ = false;                      ///< in some frame, or in a stored map
   bool is_trusted_ = true;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace headway::pipeline {
@@ -49,6 +50,11 @@ struct PairLimits {
   std::size_t min_swapped = 12;  ///< matches, of which
   double swapped_ratio = 0.8;    ///< so many have no point before the cameras
   double min_agreement = 0.7;    ///< ratio of points that agree on an offset
+  // Rows that differ as the left image moves:
+  double min_flow_px = 0.3;      ///< RMS motion: twice the noise of rows
+  double max_deviations = 5.0;   ///< median ones: motion of points that count
+  double min_late_frames = 0.5;  ///< less is the trigger's jitter, or a focal length that differs
+  double explained = 0.4;        ///< ratio of the rows' squares
 };
 
 /// When a scene is too near to be matched.
@@ -65,6 +71,7 @@ constexpr RangeLimits kRange;
 constexpr CornerSearch kSearch;
 constexpr PairLimits kLimits;
 constexpr stereo::PointTrackingOptions kRefinement{11, 0, 18.0, 0.0};
+constexpr stereo::PointTrackingOptions kFlow{11, 3, 18.0, 0.7};
 
 /// Offset of the vertex of a parabola through three samples from the middle one.
 double vertex(float before, float middle, float after) {
@@ -228,6 +235,64 @@ StereoCheck::Condition StereoCheck::compare(const std::vector<Match>& matches,
                                                                : Condition::kNone;
 }
 
+/// Compares rows with the motion of the left image since the frame before, at its matches.
+void StereoCheck::addMotion(const StereoFrame& frame, const cv::Mat& left_before,
+                            const std::vector<Match>& matches) {
+  motion_ = {};
+  if (left_before.size() != frame.left.size() || matches.size() < kLimits.min_matches) return;
+  std::vector<Eigen::Vector2d> left;
+  for (const Match& one : matches) {
+    left.push_back(one.row.right + Eigen::Vector2d(one.disparity, -one.row.rows));
+  }
+  const int levels = kFlow.coarsest_level + 1;
+  const auto before = stereo::trackPoints(
+      stereo::buildPyramid(frame.left, levels, stereo::Gradients::kAll),
+      stereo::buildPyramid(left_before, levels, stereo::Gradients::kAll), left, left, kFlow);
+  std::vector<double> rows, flows, deviations;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (!before[i]) continue;
+    const double by_turn = frame.camera == nullptr
+                               ? 0.0
+                               : stereo::rowShift(matches[i].row.right, turn_, *frame.camera);
+    rows.push_back(matches[i].row.rows - by_turn);
+    flows.push_back(left[i].y() - before[i]->y());
+  }
+  if (rows.size() < kLimits.min_matches) return;
+  const double usual_row = median(rows), usual_flow = median(flows);
+  for (const double flow : flows) deviations.push_back(std::abs(flow - usual_flow));
+  const double max_flow = kLimits.max_deviations * median(deviations);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double row = rows[i] - usual_row, flow = flows[i] - usual_flow;
+    if (std::abs(flow) > max_flow) continue;  // mistaken, or something else that moves
+    motion_.corners += 1.0;
+    motion_.rows2 += row * row;
+    motion_.flow2 += flow * flow;
+    motion_.both += row * flow;
+  }
+}
+
+/// By which the right images are late, or early if negative; 0 unless that is sure.
+double StereoCheck::framesLate() const {
+  const auto& [corners, rows2, flow2, both] = motion_;
+  const bool is_moving = flow2 > corners * kLimits.min_flow_px * kLimits.min_flow_px;
+  if (!is_moving || corners < static_cast<double>(kLimits.min_matches)) return 0.0;
+  const double late = -both / flow2;
+  const bool is_sure =
+      std::abs(late) > kLimits.min_late_frames && both * both > kLimits.explained * rows2 * flow2;
+  return is_sure ? late : 0.0;
+}
+
+/// Whether the images match the other way round, where they do not as they are.
+bool StereoCheck::isSwapped(const StereoFrame& frame) const {
+  StereoFrame other = frame;
+  std::swap(other.left, other.right);
+  const auto matches = matchesOf(other, kSearch.corners, kSearch.turn_rad);
+  const auto is_before = [](const Match& one) { return one.disparity > -kLimits.swapped_px; };
+  const auto before = std::count_if(matches.begin(), matches.end(), is_before);
+  return matches.size() >= kLimits.min_matches &&
+         static_cast<double>(before) > kLimits.swapped_ratio * static_cast<double>(matches.size());
+}
+
 std::optional<stereo::RectificationError> StereoCheck::rectification() const {
   auto error = estimator_ ? estimator_->error() : std::nullopt;
   if (error) error->disparities = disparities_;
@@ -301,20 +366,30 @@ Findings StereoCheck::add(const StereoFrame& frame) {
   if (auto near = compareRange(frame)) findings.push_back(std::move(*near));
   const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
   const bool is_first = estimator_ && estimated_ < kFirstFrames;
+  const cv::Mat left_before = std::exchange(left_before_, frame.left);
   if (!is_due && !is_first) return findings;
   auto matches =
       matchesOf(frame, is_first ? kSearch.many_corners : kSearch.corners, kSearch.turn_rad);
   if (matches.size() < kLimits.min_matches)
     matches = matchesOf(frame, kSearch.many_corners, kSearch.wide_turn_rad);
-  if (estimator_ && matches.size() >= kLimits.min_matches) {
+  if (is_due) addMotion(frame, left_before, matches);
+  const bool is_late = framesLate() != 0.0;
+  if (estimator_ && !is_late && matches.size() >= kLimits.min_matches) {
     if (auto fatal = estimate(matches, frame)) findings.push_back(std::move(*fatal));
   }
   if (!is_due) return findings;
   last_ = frame.time;
   double rows_px = 0.0;
   const Condition before = condition_;
-  condition_ = compare(matches, frame.camera.get(), rows_px);
-  persists_ = condition_ != Condition::kNone && condition_ == before;
+  condition_ = is_late ? Condition::kLate : compare(matches, frame.camera.get(), rows_px);
+  if (matches.size() < kLimits.min_matches && condition_ == Condition::kNone && isSwapped(frame)) {
+    condition_ = Condition::kSwapped;
+  }
+  const auto is_of_time = [](Condition condition) {
+    return condition == Condition::kLate || condition == Condition::kScattered;
+  };
+  persists_ = condition_ != Condition::kNone &&
+              (condition_ == before || (is_of_time(condition_) && is_of_time(before)));
   if (persists_) {
     findings.push_back(findingOf(frame, rows_px));
   } else if (frame.camera != nullptr &&
@@ -331,6 +406,12 @@ Finding StereoCheck::findingOf(const StereoFrame& frame, double rows_px) const {
             "order of the cameras"};
   }
   if (condition_ == Condition::kOffset) return offsetFinding(frame, rows_px, "");
+  if (condition_ == Condition::kLate) {
+    return {"images_not_simultaneous", frame.index,
+            formatted("the right image is %.1f frames %s: its rows differ as the left image moves; "
+                      "check the cameras' trigger, and whether a driver delays images",
+                      std::abs(framesLate()), framesLate() > 0.0 ? "late" : "early")};
+  }
   return {"images_not_simultaneous", frame.index,
           formatted("the rows of left and right images differ by %.1f px, by place: the images are "
                     "not of the same time, or the calibration is wrong; check the cameras' trigger",

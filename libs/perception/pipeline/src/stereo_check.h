@@ -14,6 +14,9 @@ namespace headway::pipeline {
 /// Compares left and right images while a recording runs, twice a second: rows that differ, images
 /// of different times, and images that are swapped.
 ///
+/// A right image that is late by a frame shows each point where the left image showed it a frame
+/// before: rows differ as the left image has moved, however little that is.
+///
 /// Corners of the left image are searched in a band of rows of the right one, in wide images at
 /// half the resolution. A condition is reported when it occurs in two comparisons in a row, so
 /// within 1 s. The rotation of the right camera is estimated from the rows of all comparisons, from
@@ -27,7 +30,8 @@ class StereoCheck {
   ///
   /// @return "vertical_offset" if all rows differ alike, "images_not_simultaneous" if they differ
   /// by
-  ///         place, as in images of a moving camera that were not taken at the same time, and
+  ///         place, as in images of a moving camera that were not taken at the same time, or as
+  ///         the left image moves, and
   ///         "images_swapped" if most points have a negative disparity. What turn() explains is no
   ///         difference by place. "too_near" if for 2 s much of what both images show has been
   ///         nearer than what is matched. Fatal: "right_camera_turned", from the beginning, by more
@@ -61,7 +65,7 @@ class StereoCheck {
   [[nodiscard]] const Eigen::Vector3d& turn() const { return turn_; }
 
  private:
-  enum class Condition { kNone, kSwapped, kOffset, kScattered };
+  enum class Condition { kNone, kSwapped, kOffset, kScattered, kLate };
   struct Match;
   [[nodiscard]] static std::vector<Match> matchesOf(const StereoFrame& frame, int max_corners,
                                                     double searched_turn);
@@ -70,6 +74,10 @@ class StereoCheck {
                                   double& rows_px) const;
   [[nodiscard]] std::optional<Finding> estimate(const std::vector<Match>& matches,
                                                 const StereoFrame& frame);
+  void addMotion(const StereoFrame& frame, const cv::Mat& left_before,
+                 const std::vector<Match>& matches);
+  [[nodiscard]] double framesLate() const;
+  [[nodiscard]] bool isSwapped(const StereoFrame& frame) const;
   [[nodiscard]] Finding findingOf(const StereoFrame& frame, double rows_px) const;
   [[nodiscard]] std::optional<Finding> compareRange(const StereoFrame& frame);
 
@@ -78,6 +86,13 @@ class StereoCheck {
   int near_ = 0;                    ///< comparisons in a row in which the scene was too near
 
   std::optional<Time> last_;  ///< of the latest comparison
+  cv::Mat left_before_;       ///< left image of the frame before
+  /// Sums over the corners of the latest comparison: of what rows differ, and of what the left
+  /// image has moved along its columns since the frame before, from their medians.
+  struct Motion {
+    double corners = 0.0, rows2 = 0.0, flow2 = 0.0, both = 0.0;
+  };
+  Motion motion_;
   Condition condition_ = Condition::kNone;
   bool persists_ = false;
   int estimated_ = 0;                                        ///< frames
