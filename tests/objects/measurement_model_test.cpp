@@ -154,6 +154,16 @@ TEST(MeasurementModelTest, CountsBoxesWithoutSize) {
   EXPECT_THAT(measure({flat, inside_out}).dropped, ElementsAre(Pair("zero_size", 2u)));
 }
 
+TEST(MeasurementModelTest, CountsBoxesLargerThanAnythingOfTheirClass) {
+  Detection lorry = seenCar(40.0, 0.0);
+  lorry.box3d->length = 16.0;
+  Detection tower = seenCar(40.0, 0.0);
+  tower.box3d->height = 1e6;
+  EXPECT_THAT(measure({lorry, tower}).dropped, ElementsAre(Pair("too_large", 2u)));
+  lorry.object_class = ObjectClass::kTruck;
+  EXPECT_THAT(measure({lorry}).dropped, ElementsAre());
+}
+
 TEST(MeasurementModelTest, CountsBoxesBehindTheCamera) {
   EXPECT_THAT(measure({seenCar(-3.0, 1.0), seenCar(0.0, 1.0)}).dropped,
               ElementsAre(Pair("behind_camera", 2u)));

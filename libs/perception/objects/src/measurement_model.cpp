@@ -48,6 +48,29 @@ std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
   return boxes;
 }
 
+namespace {
+
+/// Length of the longest objects of a class: cargo bikes, limousines, minibuses, articulated buses
+/// and lorries, trams [m].
+double maxLength(ObjectClass object_class) {
+  switch (object_class) {
+    case ObjectClass::kPedestrian:
+    case ObjectClass::kPersonSitting:
+    case ObjectClass::kCyclist:
+      return 3.0;
+    case ObjectClass::kCar:
+      return 8.0;
+    case ObjectClass::kVan:
+      return 10.0;
+    case ObjectClass::kTruck:
+      return 30.0;
+    default:
+      return 60.0;
+  }
+}
+
+}  // namespace
+
 const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
   if (!isFinite(detection)) return "nan_box";
   if (detection.score < selection_.min_score) return "low_score";
@@ -57,6 +80,9 @@ const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
   if (!detection.box3d) return "no_3d_box";
   const Box3d& box = *detection.box3d;
   if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
+  if (std::max({box.length, box.width, box.height}) > maxLength(detection.object_class)) {
+    return "too_large";
+  }
   if (!(box.centre.z() > 0.0)) return "behind_camera";
   const bool is_beyond =
       box.centre.norm() > selection_.max_range_m || box.centre.z() > selection_.max_depth_m;

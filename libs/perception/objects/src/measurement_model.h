@@ -61,7 +61,7 @@ struct ExpectedPlace {
 /// Transforms detections from the sensor's frame to the map and assigns their noise.
 ///
 /// Reasons to drop a detection: low_score, unknown_class, no_3d_box, nan_box, zero_size,
-/// behind_camera, too_far. A covariance that cannot be one is dropped without its box
+/// too_large, behind_camera, too_far. A covariance that cannot be one is dropped without its box
 /// (bad_covariance).
 class MeasurementModel {
  public:
