@@ -48,6 +48,19 @@ TEST(CalibrationFileTest, ReadsItsOutputWithoutLoss) {
   EXPECT_EQ(7.7, readCalibration(folder / "c.yaml").depth_reach_m);
 }
 
+TEST(CalibrationFileTest, AFileThatIsNotWholeIsAnErrorOfOneLine) {
+  const std::string good =
+      "image_size: [640, 480]\nleft: [450, 450, 319.5, 239.5]\nbaseline_m: 0.05\n";
+  for (const char* rest : {"T_robot_cam: [0, -1\nfoo: }{\n", "- x\nT_robot_cam: 1\n",
+                           "T_robot_cam: [0, -1, 0\n", "---\nleft: 1\n"}) {
+    testing::internal::CaptureStderr();
+    const std::string error = messageFor(good + rest);
+    EXPECT_EQ("", testing::internal::GetCapturedStderr()) << "by the parser";
+    EXPECT_THAT(error, HasSubstr("c.yaml: is not a YAML file: ")) << rest;
+    EXPECT_EQ(std::string::npos, error.find('\n'));
+  }
+}
+
 TEST(CalibrationFileTest, ReadsUnrectifiedLenses) {
   const headway::test::TemporaryFolder folder;
   test::writeContent(folder / "c.yaml", kFiveLines);

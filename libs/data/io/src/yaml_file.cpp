@@ -5,9 +5,12 @@
 
 #include <headway/core/error.h>
 #include <headway/io/image_file.h>
+#include <libfyaml.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <typeinfo>
@@ -68,6 +71,41 @@ std::string unsafeBecause(const std::string& content) {
   return "";
 }
 
+/// Why a text is not one whole document, as libfyaml says it; empty if it is. MRPT's parser takes
+/// what comes before an error for the whole, and lets libfyaml print.
+std::string incompleteBecause(const std::string& content) {
+  char* messages = nullptr;
+  std::size_t size = 0;
+  FILE* stream = open_memstream(&messages, &size);
+  fy_diag_cfg said{};
+  fy_diag_cfg_default(&said);
+  said.fp = stream;
+  said.colorize = said.show_source = false;
+  fy_diag* diagnosis = fy_diag_create(&said);
+  fy_parse_cfg options{};
+  options.diag = diagnosis;
+  fy_parser* parser = fy_parser_create(&options);
+  int documents = 0;
+  bool has_failed =
+      parser == nullptr || fy_parser_set_string(parser, content.data(), content.size()) != 0;
+  while (!has_failed) {
+    fy_document* document = fy_parse_load_document(parser);
+    if (document == nullptr) break;
+    fy_parse_document_destroy(parser, document);
+    ++documents;
+  }
+  has_failed = has_failed || fy_parser_get_stream_error(parser);
+  fy_parser_destroy(parser);
+  fy_diag_destroy(diagnosis);
+  (void)std::fclose(stream);
+  std::string text(messages, size);
+  std::free(messages);
+  if (!has_failed) return documents > 1 ? "it contains several documents" : "";
+  text = text.substr(0, text.find('\n'));
+  const auto place = text.find(">:");  // after the name of a text in memory
+  return place == std::string::npos ? "its end is missing" : "line " + text.substr(place + 2);
+}
+
 /// The text without what OpenCV's FileStorage adds to YAML: a directive that is none, and tags.
 std::string withoutOpenCvMarks(std::string content) {
   if (content.rfind("%YAML:", 0) == 0) content.erase(0, content.find('\n'));
@@ -100,6 +138,8 @@ YamlFile::YamlFile(const std::string& path) : path_(path) {
   const std::string content = withoutOpenCvMarks(contentOf(path));
   const std::string reason = unsafeBecause(content);
   if (!reason.empty()) fail("is not read: " + reason);
+  const std::string incomplete = incompleteBecause(content);
+  if (!incomplete.empty()) fail("is not a YAML file: " + incomplete);
   try {
     root_ = mrpt::containers::yaml::FromText(content);
   } catch (const std::exception& error) {
