@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <headway/core/error.h>
+#include <headway/core/input_files.h>
 #include <headway/core/output_file.h>
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>
@@ -207,6 +209,28 @@ TEST_F(OutputFileTest, AFullDiskLeavesWholeRows) {
   file.stream() << std::string(99, 'y') << "\n";
   EXPECT_THAT(test::inputErrorOf([&] { file.close(); }), HasSubstr("too large"));
   EXPECT_EQ(1000u, contentOf(path_).size());
+}
+
+TEST_F(OutputFileTest, NothingWritesAFileThatIsRead) {
+  const fs::path input = folder_ / "input";
+  writeFile(input, "read");
+  fs::create_symlink(input, folder_ / "link");
+  registerInput(input);
+  registerInput(folder_ / "nothing");
+  for (const char* name : {"input", "link", "./input"}) {
+    EXPECT_THAT(test::inputErrorOf([&] { OutputFile file(folder_ / name); }),
+                HasSubstr("is an input"));
+    EXPECT_THAT(test::inputErrorOf([&] { GrowingFile file(folder_ / name); }),
+                HasSubstr("is an input"));
+  }
+  fs::create_directory(folder_ / "new");
+  writeFile(folder_ / "new/input", "written");
+  const auto isStale = [](const fs::path&) { return true; };
+  EXPECT_THROW(replaceFiles(folder_ / "new", folder_.path(), isStale), InputError);
+  fs::remove_all(folder_ / "new/input");
+  EXPECT_THROW(replaceFiles(folder_ / "new", folder_.path(), isStale), InputError) << "it is stale";
+  EXPECT_EQ("read", contentOf(input));
+  EXPECT_NO_THROW(writeFile(folder_ / "nothing", "written"));
 }
 
 TEST_F(OutputFileTest, FilesOfAFolderReplaceOthersAndStaleOnesVanish) {

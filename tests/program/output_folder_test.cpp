@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
+#include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/program/files.h>
 #include <headway_test/folders.h>
@@ -98,6 +99,9 @@ TEST_F(OutputFolderTest, AFolderWithContentsRequiresOverwrite) {
 
 TEST_F(OutputFolderTest, AnInputIsNeverAResult) {
   writeOldResults();
+  writeFile(parent_ / "a.out", "of another folder");
+  EXPECT_NO_THROW((void)open(
+      true, {(folder_ / "mine.txt").string(), "nowhere/a.out", (parent_ / "a.out").string()}));
   fs::create_symlink(folder_ / "a.out", parent_ / "link");
   fs::create_directory_symlink(folder_, parent_ / "linked folder");
   for (const fs::path& input : {folder_ / "a.out", folder_ / "../out \xC3\xA9/a.out",
@@ -109,7 +113,16 @@ TEST_F(OutputFolderTest, AnInputIsNeverAResult) {
         << input;
   }
   EXPECT_THAT(names(), UnorderedElementsAre("a.out", "stale.out", "mine.txt"));
-  EXPECT_NO_THROW((void)open(true, {(folder_ / "mine.txt").string(), "nowhere/a.out"}));
+}
+
+TEST_F(OutputFolderTest, AFolderOfInputsAloneMayReceiveResults) {
+  fs::create_directories(folder_);
+  for (const char* name : {"in.rawlog", ".partial-1-XXXXXX-record.rawlog"}) {
+    writeFile(folder_ / name, "read");
+  }
+  EXPECT_THROW((void)open(false), InputError);
+  const auto folder = open(false, {(folder_ / "in.rawlog").string()});
+  EXPECT_EQ(folder_, folder.path());
 }
 
 TEST_F(OutputFolderTest, ASecondProcessIsRefusedAndAKilledOneIsNot) {

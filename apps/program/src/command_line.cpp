@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Command lines of the programs, their exit statuses and sub-commands.
 #include <headway/core/error.h>
+#include <headway/core/input_files.h>
 #include <headway/core/text.h>
 #include <headway/core/version.h>
 #include <headway/core/worker_thread.h>
@@ -10,7 +11,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <csignal>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -155,6 +158,14 @@ mrpt::system::VerbosityLevel verbosityFrom(const std::string& name) {
   throw UsageError("--verbosity: '" + name + "' is none of DEBUG, INFO, WARN, ERROR");
 }
 
+/// Whether an option names what is written; every other file on the command line is read.
+bool isOutput(const CLI::Option& option) {
+  constexpr std::array kOutputs = {"output", "json", "plot", "record", "video", "worst"};
+  const auto& names = option.get_lnames();
+  return !names.empty() &&
+         std::find(kOutputs.begin(), kOutputs.end(), names.front()) != kOutputs.end();
+}
+
 /// The words after the program's name, in the reverse order that CLI11 takes. "--name=" is split
 /// from its empty value, because CLI11 would take the next word instead.
 std::vector<std::string> reversedWords(int argc, const char* const* argv) {
@@ -212,6 +223,21 @@ struct CommandLine::Arguments {
       if (!is_repeatable && option->count() > 1)
         throw optionError(*option, "Argument already set!");
       for (const auto& text : option->results()) read_value(*option, text);
+    }
+  }
+
+  /// Registers the files that are read, and refuses to write them.
+  ///
+  /// @throws InputError
+  void protectInputs() const {
+    for (const auto& [option, read_value] : readers) {
+      if (isOutput(*option)) continue;
+      for (const auto& text : option->results()) registerInput(text);
+    }
+    for (const auto& path : configs) registerInput(findDataFile(path));
+    for (const auto& [option, read_value] : readers) {
+      if (!isOutput(*option)) continue;
+      for (const auto& text : option->results()) requireNoInput(text);
     }
   }
 
@@ -349,6 +375,7 @@ bool CommandLine::parse(int argc, const char* const* argv) {
   arguments_->app.set_help_flag("-h,--help", "Print this help and end");
   arguments_->app.set_version_flag("--version", versionOf(program), "Print the version and end");
   if (!readWords(argc, argv)) return false;
+  arguments_->protectInputs();
   const auto level = verbosityFrom(arguments_->verbosity);
   verbosity_ = quiet_ ? mrpt::system::LVL_ERROR : level;
   if (params_ != nullptr) {
@@ -375,7 +402,12 @@ int run(const std::string& program, const std::function<int()>& body) {
     return stopRequested() ? kSignalled + stopRequest() : otherwise;
   };
   try {
-    return status(body());
+    const int result = body();
+    std::cout.flush();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) {
+      throw InputError("standard output: not written completely; check the disk space");
+    }
+    return status(result);
   } catch (const UsageError& error) {
     std::cerr << program << ": " << printable(error.what()) << std::endl;
     return kUsage;

@@ -2,6 +2,7 @@
 // Files that a program finds, reads, may write, and the folder of its results.
 #include <fcntl.h>
 #include <headway/core/error.h>
+#include <headway/core/input_files.h>
 #include <headway/core/output_file.h>
 #include <headway/program/files.h>
 #include <sys/file.h>
@@ -25,17 +26,28 @@ namespace fs = std::filesystem;
 constexpr char kLock[] = ".lock";
 constexpr char kUnfinished[] = "unfinished";
 
-void requireOtherInputs(const fs::path& folder, const std::vector<std::string>& inputs,
-                        const OutputFolder::IsResult& is_result) {
-  for (const auto& input : inputs) {
-    if (input.empty()) continue;
+void requireOtherInputs(const fs::path& folder, const OutputFolder::IsResult& is_result) {
+  for (const auto& input : registeredInputs()) {
     const fs::path place =
         fs::weakly_canonical(input).lexically_relative(fs::weakly_canonical(folder));
-    if (!place.empty() && is_result(place)) {
-      throw InputError(input + ": is an input and would be replaced by a result in " +
+    const bool is_inside = !place.empty() && *place.begin() != "..";
+    if (is_inside && is_result(place)) {
+      throw InputError(input.string() + ": is an input and would be replaced by a result in " +
                        folder.string() + "; choose another folder or copy the input");
     }
   }
+}
+
+/// Whether a file does not make a folder one with contents: a lock, what a program is writing, or
+/// an input beside which results are wanted.
+bool isNoContent(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (name == kLock || name.rfind(".partial-", 0) == 0) return true;
+  const auto inputs = registeredInputs();
+  return std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& input) {
+    std::error_code ignored;
+    return fs::equivalent(file, input, ignored);
+  });
 }
 
 bool isSameFile(int file, const fs::path& path) {
@@ -88,12 +100,8 @@ std::string readFile(const fs::path& path) {
 
 void requireWritable(const std::string& path, bool overwrite,
                      const std::vector<std::string>& inputs) {
-  for (const auto& input : inputs) {
-    std::error_code ignored;
-    if (fs::equivalent(path, input, ignored)) {
-      throw InputError(path + ": is an input and would be overwritten; choose another name");
-    }
-  }
+  for (const auto& input : inputs) registerInput(input);
+  requireNoInput(path);
   if (!overwrite && fs::exists(path)) {
     throw InputError(path + ": exists already; -w overwrites it");
   }
@@ -102,16 +110,16 @@ void requireWritable(const std::string& path, bool overwrite,
 OutputFolder::OutputFolder(fs::path folder, bool overwrite, const std::vector<std::string>& inputs,
                            IsResult is_result)
     : folder_(std::move(folder)), path_(folder_), is_result_(std::move(is_result)) {
-  requireOtherInputs(folder_, inputs, is_result_);
+  for (const auto& input : inputs) registerInput(input);
+  requireOtherInputs(folder_, is_result_);
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error || !fs::is_directory(folder_)) {
     throw InputError(folder_.string() + ": the folder cannot be created: " +
                      (error ? error.message() : "a file of that name exists"));
   }
-  const bool is_empty =
-      std::all_of(fs::directory_iterator(folder_), fs::directory_iterator(),
-                  [](const auto& entry) { return entry.path().filename() == kLock; });
+  const bool is_empty = std::all_of(fs::directory_iterator(folder_), fs::directory_iterator(),
+                                    [](const auto& entry) { return isNoContent(entry.path()); });
   if (!is_empty && !overwrite) {
     throw InputError(folder_.string() +
                      ": exists already and is not empty; -w overwrites the results in it");

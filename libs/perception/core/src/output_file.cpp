@@ -2,6 +2,7 @@
 // Files that appear whole or not at all, growing files, and replacing a folder of results.
 #include <fcntl.h>
 #include <headway/core/error.h>
+#include <headway/core/input_files.h>
 #include <headway/core/output_file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -90,6 +91,7 @@ void synchronise(const fs::path& path, int flags, std::optional<mode_t> mode = s
 void synchroniseFile(const fs::path& path) { synchronise(path, O_RDONLY); }
 
 OutputFile::OutputFile(const fs::path& path) : path_(targetOf(path)) {
+  requireNoInput(path_);
   if (fs::is_directory(path_)) throw InputError(path_.string() + ": is a folder, not a file");
   temporary_ = isDevice(path_) ? path_ : createTemporary(path_);
   stream_.open(temporary_, std::ios::binary);
@@ -125,9 +127,9 @@ void writeFile(const fs::path& path, std::string_view bytes) {
   file.commit();
 }
 
-GrowingFile::GrowingFile(const fs::path& path)
-    : path_(path),
-      file_(open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_CREAT | O_TRUNC, 0666)) {
+GrowingFile::GrowingFile(const fs::path& path) : path_(path), file_(-1) {
+  requireNoInput(path);
+  file_ = open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_CREAT | O_TRUNC, 0666);
   if (file_ < 0) failToWrite(path_, errno);
 }
 
@@ -205,11 +207,14 @@ void replaceFiles(const std::filesystem::path& from, const std::filesystem::path
     synchroniseAll(from);
     std::filesystem::create_directories(to);
     const auto files = filesIn(from);
+    for (const auto& file : files) requireNoInput(to / file);
     // `from` may be a folder of `to`.
     for (const auto& file : filesIn(to)) {
       const bool is_new =
           files.count(file) > 0 || files.count((to / file).lexically_relative(from)) > 0;
-      if (!is_new && is_stale(file)) std::filesystem::remove(to / file);
+      if (is_new || !is_stale(file)) continue;
+      requireNoInput(to / file);
+      std::filesystem::remove(to / file);
     }
     for (const auto& file : files) {
       std::filesystem::create_directories((to / file).parent_path());

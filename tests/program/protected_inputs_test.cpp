@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Each program on files that are read and written at once, and on a full standard output.
+#include <gmock/gmock.h>
+#include <headway_test/folders.h>
+#include <headway_test/process.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace headway::program {
+namespace {
+
+/// Arguments and options with a value of a command, as its help lists them.
+struct Command {
+  std::string call;
+  std::set<std::string> arguments, options, required, outputs;
+  bool overwrites = false;
+};
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+Command commandOf(const std::string& call, const std::string& help) {
+  const std::set<std::string> outputs = {"--output", "--json",  "--plot",
+                                         "--record", "--video", "--worst"};
+  Command command;
+  command.call = call;
+  command.overwrites = help.find("--overwrite") != std::string::npos;
+  const std::string usage = help.substr(0, help.find("\n\n"));
+  bool is_argument = false;
+  for (const std::string& line : linesOf(help)) {
+    std::smatch found;
+    if (line == "Arguments:") is_argument = true;
+    if (line == "Options:") is_argument = false;
+    if (is_argument && std::regex_search(line, found, std::regex("^  (\\S+)"))) {
+      command.arguments.insert(found[1]);
+    }
+    const std::regex option("^  (?:(-\\w), |    )(--[a-z-]+) (\\S+)");
+    if (!std::regex_search(line, found, option)) continue;
+    const std::string name = found[2];
+    (outputs.count(name) > 0 ? command.outputs : command.options).insert(name);
+    const std::string in_usage = " " + (found[1].matched ? found[1].str() : name) + " ";
+    if (usage.find(in_usage) != std::string::npos) command.required.insert(name);
+  }
+  for (const char* no_file : {"--set", "--verbosity"}) command.options.erase(no_file);
+  return command;
+}
+
+std::vector<Command> allCommands() {
+  std::vector<Command> commands;
+  for (const char* name : {"eval", "export", "import", "live", "nav", "render", "replay", "sim"}) {
+    const std::string call = test::program(std::string("headway-") + name);
+    const std::string help = test::runProcess(call + " --help").output;
+    const auto subcommands = help.find("Sub-commands:\n");
+    if (subcommands == std::string::npos) {
+      commands.push_back(commandOf(call, help));
+      continue;
+    }
+    for (const std::string& line : linesOf(help.substr(subcommands))) {
+      std::smatch found;
+      if (!std::regex_search(line, found, std::regex("^  (\\S+)"))) continue;
+      const std::string sub = call + " " + found[1].str();
+      commands.push_back(commandOf(sub, test::runProcess(sub + " --help").output));
+    }
+  }
+  return commands;
+}
+
+class ProtectedInputsTest : public testing::Test {
+ protected:
+  /// Runs a command that reads and writes the same file by these options.
+  ///
+  /// @param input  an option, or an argument
+  test::ProcessResult run(const Command& command, const std::string& input,
+                          const std::string& output) {
+    std::ofstream(file_) << "kept\n";
+    std::ofstream(other_) << "kept\n";
+    std::string line = command.call;
+    for (const std::string& name : command.required) {
+      if (name != input && name != output) line += " " + name + " " + other_;
+    }
+    for (const std::string& name : command.arguments) {
+      line += " " + (name == input ? file_ : other_);
+    }
+    if (command.options.count(input) > 0) line += " " + input + " " + file_;
+    return test::runProcess(line + " " + output + " " + file_ + (command.overwrites ? " -w" : "") +
+                            " </dev/null");
+  }
+
+  const test::TemporaryFolder folder_;
+  const std::string file_ = folder_ / "file.png", other_ = folder_ / "other";
+};
+
+TEST_F(ProtectedInputsTest, AreNeverOutputs) {
+  int refused = 0;
+  for (const Command& command : allCommands()) {
+    std::set<std::string> inputs = command.options;
+    inputs.insert(command.arguments.begin(), command.arguments.end());
+    for (const std::string& output : command.outputs) {
+      int refused_here = 0;
+      for (const std::string& input : inputs) {
+        const auto result = run(command, input, output);
+        SCOPED_TRACE(command.call + " " + input + " FILE " + output + " FILE: " + result.output);
+        EXPECT_EQ("kept\n", test::contentsOf(file_));
+        const bool is_number = result.output.find("Couldn't read argument") != std::string::npos;
+        if (is_number) continue;
+        EXPECT_EQ(1, result.status);
+        EXPECT_THAT(result.output, testing::HasSubstr("is an input and would be overwritten"));
+        ++refused_here;
+      }
+      EXPECT_GT(refused_here, 0) << command.call << " " << output;
+      refused += refused_here;
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST(StandardOutputTest, IsWrittenWholeOrAnError) {
+  for (const Command& command : allCommands()) {
+    const auto full = test::runProcess("(" + command.call + " --help >/dev/full)");
+    EXPECT_EQ(1, full.status) << command.call;
+    EXPECT_THAT(full.output, testing::HasSubstr("standard output: not written completely"));
+  }
+}
+
+}  // namespace
+}  // namespace headway::program
