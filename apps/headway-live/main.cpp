@@ -396,6 +396,15 @@ class PictureSink : public run::Sink {
   live::LivePage& page_;
 };
 
+/// Of drivers and topics; null: none.
+std::vector<drivers::SensorStatus> statesOf(const drivers::SensorGroup* sensors,
+                                            const live::Ros2Connection* ros2) {
+  auto all = sensors != nullptr ? sensors->status() : std::vector<drivers::SensorStatus>();
+  const auto topics = ros2 != nullptr ? ros2->sensors() : std::vector<drivers::SensorStatus>();
+  all.insert(all.end(), topics.begin(), topics.end());
+  return all;
+}
+
 /// Runs sensors and pipeline until they are interrupted.
 void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
              const Params& all_params) {
@@ -418,12 +427,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   const auto page = makePage(options);
   std::unique_ptr<drivers::SensorGroup> sensors;
   if (!options.sensors.empty()) sensors = makeSensors(options.sensors, deliver);
-  const SensorStates states = [&] {
-    auto all = sensors ? sensors->status() : std::vector<drivers::SensorStatus>();
-    const auto topics = ros2 ? ros2->sensors() : std::vector<drivers::SensorStatus>();
-    all.insert(all.end(), topics.begin(), topics.end());
-    return all;
-  };
+  const SensorStates states = [&] { return statesOf(sensors.get(), ros2 ? &*ros2 : nullptr); };
   if (options.ros2.isUsed()) {
     ros2.emplace(options.ros2, sensors != nullptr, options.calibration, options.pair_tolerance_s,
                  live::Ros2Connection::Callbacks{add, warn, states});

@@ -161,7 +161,7 @@ TEST_F(LiveRos2Test, ARobotsTopicsBecomeResultsAsTopics) {
   LiveProgram live("--ros2 " +
                        ini("[ros2_publish]\nodom_base = true\nclock = true\npredicted_hz = 10\n") +
                        " --ros2-interface lo -w -o " + out() + " --record " + recorded,
-                   folder_, domain_);
+                   folder_.path().string(), domain_);
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
   EXPECT_THAT(live.output(), HasSubstr("ROS 2 domain " + std::to_string(domain_) + " on lo"));
   const std::size_t sent = robot.play(0.5, stop_);
@@ -210,7 +210,7 @@ TEST_F(LiveRos2Test, EitherSideIsKilledAndComesBack) {
       "--ros2 --left /left/image/compressed --right "
       "/right/image/compressed --ros2-interface lo -w -o " +
       out();
-  auto live = std::make_unique<LiveProgram>(arguments, folder_, domain_);
+  auto live = std::make_unique<LiveProgram>(arguments, folder_.path().string(), domain_);
   const auto tracked = [&] { return live->output().find("tracked (") != std::string::npos; };
   for (int round = 0; round < 2; ++round) {
     FastDdsPeer peer(domain_);
@@ -220,7 +220,7 @@ TEST_F(LiveRos2Test, EitherSideIsKilledAndComesBack) {
     EXPECT_TRUE(waitUntil(tracked)) << live->output();
     if (round > 0) break;
     (void)live->end(SIGKILL);
-    live = std::make_unique<LiveProgram>(arguments, folder_, domain_);
+    live = std::make_unique<LiveProgram>(arguments, folder_.path().string(), domain_);
     ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live->output();
     (void)robot.play(1.0, stop_);
     EXPECT_TRUE(waitUntil(tracked)) << live->output();
@@ -239,7 +239,7 @@ TEST_F(LiveRos2Test, ARecordingIsPublishedWithItsClock) {
   LiveProgram live("--sensors " + std::string(folder_ / "rawlog.ini") + " --ros2 " +
                        ini("[ros2_publish]\nclock = true\nodom_base = true\n") +
                        " --ros2-interface lo -w -o " + out(),
-                   folder_, domain_);
+                   folder_.path().string(), domain_);
   EXPECT_TRUE(waitUntil([&] {
     return clocks > 5 && audience.count("/tf") > 5 && audience.count("/headway/markers") > 5;
   })) << live.output();
