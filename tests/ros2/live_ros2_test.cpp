@@ -31,6 +31,8 @@ std::string streetRawlog() { return std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/
 /// A running headway-live.
 class LiveProgram {
  public:
+  LiveProgram(const std::string& arguments, const test::TemporaryFolder& folder, int domain)
+      : LiveProgram(arguments, folder.path().string(), domain) {}
   LiveProgram(const std::string& arguments, const std::string& folder, int domain)
       : out_(folder + "/live.txt"), end_(folder + "/live.status") {
     std::filesystem::remove(end_);

@@ -218,6 +218,9 @@ class Robot::Implementation {
 
   void sendStereo(const CObservationStereoImages& pair, Time time) {
     mount(time, "left", fromMrpt(mrpt::poses::CPose3D(pair.cameraPose)));
+    mount(time, "right",
+          fromMrpt(mrpt::poses::CPose3D(pair.cameraPose)) *
+              fromMrpt(mrpt::poses::CPose3D(pair.rightCameraPose)));
     sendInfo("/left", infoOf(pair.leftCamera, 0.0), time);
     sendInfo("/right", infoOf(pair.rightCamera, pair.rightCameraPose.x()), time);
     sendImage("/left", pair.imageLeft.asCvMatRef(), time);

@@ -61,7 +61,7 @@ class TopicSourceTest : public ::testing::Test {
 
   std::size_t count(const std::string& type) {
     const std::lock_guard lock(mutex_);
-    return counts_[type];
+    return counts_["mrpt::obs::" + type];
   }
   template <typename Observation>
   std::shared_ptr<Observation> last() {
@@ -121,7 +121,7 @@ TEST_F(TopicSourceTest, ARobotsSensorsBecomeObservations) {
     auto skipped = source_->skipped();
     return std::max(skipped["before_calibration"] / 2, skipped["before_calibration"] - 30);
   };
-  EXPECT_TRUE(waitUntil([&] { return count("CObservationStereoImages") + unused() >= 29; }));
+  EXPECT_TRUE(waitUntil([&] { return count("CObservationStereoImages") + unused() >= 30; }));
   EXPECT_GT(count("CObservationStereoImages"), 20U);
   const auto camera = io::test::smallCamera();
   const auto pair = last<mrpt::obs::CObservationStereoImages>();
