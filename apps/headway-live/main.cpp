@@ -412,7 +412,14 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   std::optional<io::RawStereoCamera> calibration;
   if (!options.calibration.empty()) calibration = io::readRawCalibration(options.calibration);
   std::optional<drivers::ObservationRecorder> recorder;
-  if (!options.record.empty()) recorder.emplace(options.record);
+  if (!options.record.empty()) {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::weakly_canonical(options.run.output);
+    if (fs::weakly_canonical(options.record).parent_path() == folder) {
+      fs::create_directories(folder);
+    }
+    recorder.emplace(options.record);
+  }
   io::LiveSource source(sourceOptions(options, params));
   std::optional<live::Ros2Connection> ros2;
   const auto add = [&](const CObservation::Ptr& observation) {

@@ -205,6 +205,8 @@ void Replay::onFrame(const run::FrameResult& result, pipeline::Perception& perce
   summary_.frame_ms.add(summary_.last_frame_ms);
   summary_.cpu_ms += 1e3 * result.processor_s + frame.rectify_ms;
   last_frame_ = frame.index;
+  has_advanced_ = has_advanced_ || (last_time_ && frame.time > *last_time_);
+  last_time_ = frame.time;
   count(frame, result.update);
   gnss_.add(frame.gnss);
   collectWarnings(frame.index, result.source);
@@ -296,10 +298,22 @@ void Replay::collectWarnings(std::size_t frame, const run::SourceReport& source)
 }
 
 void Replay::requireTrackedFrames() const {
-  if (summary_.frames == 0 || summary_.frames_tracked > 0 || program::interrupted()) return;
-  if (!options_.load_map.empty()) return;  // see warnIfNotRelocalised()
-  throw InputError(source_->name() + ": none of " + std::to_string(summary_.frames) +
-                   " frames was tracked: " + causeOfNoTracking(summary_.calibration));
+  const std::string name = source_->name();
+  if (summary_.frames > 1 && !has_advanced_) {
+    throw InputError(name + ": the times of all " + std::to_string(summary_.frames) +
+                     " frames are equal or go back; check the clock of their recorder");
+  }
+  if (summary_.frames_tracked > 0 || (program::interrupted() && !folder_.hasOldResults())) return;
+  if (summary_.frames == 0) {
+    throw InputError(name +
+                     ": none of its frames is in the part that was to be processed; check "
+                     "--from-index");
+  }
+  const std::string cause = options_.load_map.empty()
+                                ? causeOfNoTracking(summary_.calibration)
+                                : "none was re-localised in " + options_.load_map;
+  throw InputError(name + ": none of " + std::to_string(summary_.frames) +
+                   " frames was tracked: " + cause);
 }
 
 void Replay::log(LogLevel level, const std::string& text) const {
@@ -355,6 +369,7 @@ void Replay::moveInto(const Pose& T_map_run) {
 void Replay::complete() {
   try {
     session_.complete();
+    requireTrackedFrames();
   } catch (const std::exception& error) {
     if (!folder_.hasOldResults()) throw;
     throw InputError(error.what() + ("; the old results in " + published().string()) +
@@ -362,7 +377,6 @@ void Replay::complete() {
                      " are in " + folder_.path().string());
   }
   folder_.publish();
-  requireTrackedFrames();
   if (const auto truncation = source_->report().truncation) {
     throw InputError(*truncation + "; the part before was processed and written to " +
                      published().string());

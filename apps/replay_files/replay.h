@@ -103,6 +103,7 @@ class Replay : private run::Sink {
   void countTracks(const pipeline::PerceptionUpdate& update);
   /// Prints each warning once, when it occurs first.
   void collectWarnings(std::size_t frame, const run::SourceReport& source);
+  /// @throws InputError if the results are empty, or their times are none
   void requireTrackedFrames() const;
   /// Writes replay.json, and says which network is used or how to get one.
   void writeRecord(const pipeline::DetectionParams& detection, const Params& params);
@@ -135,7 +136,9 @@ class Replay : private run::Sink {
   Snapshots snapshots_;
   report::PageImages images_;
   Summary summary_;
-  std::size_t last_frame_ = 0;  ///< index of the newest frame
+  std::size_t last_frame_ = 0;     ///< index of the newest frame
+  std::optional<Time> last_time_;  ///< of that frame
+  bool has_advanced_ = false;      ///< some frame came after the one before
   bool has_lost_image_ = false;
   std::optional<Pose> T_map_run_;              ///< see moveInto()
   std::optional<program::Progress> progress_;  ///< while frames are processed

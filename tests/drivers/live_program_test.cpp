@@ -84,7 +84,7 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
       "\nprocess_rate = 8\n"
       "pose_z = 1.65\npose_yaw = -90\npose_roll = -90\n");
   const std::string out = folder_ / "out";
-  const std::string recorded = folder_ / "live.rawlog";
+  const std::string recorded = out + "/live.rawlog";
   std::string health;                    // while it ran
   std::optional<test::Connection> slow;  // a client that holds the health's server
   std::future<double> closed_s;

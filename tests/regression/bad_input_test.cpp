@@ -77,6 +77,14 @@ TEST_F(BadInputTest, GoodInputIsGood) {
   EXPECT_EQ(test::kPlainFrames, run.summary.at("detections_used"));
 }
 
+TEST_F(BadInputTest, AnEmptyResultDoesNotReplaceAGoodOne) {
+  writeWithCamera(io::rawFrom(test::plainCamera()));
+  ASSERT_EQ(0, replayIt().process.status);
+  const std::string before = test::contentsOf(folder / "out/trajectory.tum");
+  EXPECT_THAT(errorLine(replayIt("-w --from-index 1000")), HasSubstr("check --from-index"));
+  EXPECT_EQ(before, test::contentsOf(folder / "out/trajectory.tum"));
+}
+
 TEST_F(BadInputTest, MissingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
 
 TEST_F(BadInputTest, TruncatedRawlogKeepsTheFramesBefore) {
