@@ -18,11 +18,10 @@ constexpr double kGuideCell_m = 0.1;
 constexpr int kGuideReach = 50;  // cells from the robot to the window's sides
 constexpr int kGuideSize = 2 * kGuideReach + 1;
 constexpr std::size_t kAhead = 4;     // places of the course, a metre apart
-constexpr double kGap_m = 0.1;        // beside the robot: a cell
+constexpr double kGap_m = 0.1;        // beside the robot, at least: a cell
 constexpr double kRoom_m = 0.8;       // to the robot's middle; more is worth nothing
 constexpr double kLeaving_m = 0.35;   // whoever is that near is left anyhow
 constexpr float kCrowded = 2.0F;      // added cost without room: a detour thrice as long
-constexpr float kTight = 8.0F;        // added cost with less: only where there is no other way
 constexpr float kOffCourse = 1.0F;    // added cost a metre beside the course
 constexpr double kOffCourse_m = 2.0;  // at most
 constexpr float kKept = 0.6F;         // ratio of the cost of the last way
@@ -99,17 +98,17 @@ cv::Mat1f Guide::costs(const std::vector<Vector2d>& obstacles) const {
   }
   const cv::Mat1f room = distances(free), off_course = distancesTo(course_);
   cv::Mat1f cost(kGuideSize, kGuideSize, kNoWay);
+  const double needed = half_width_ + kGap_m;
   for (int y = 0; y < kGuideSize; ++y) {
     for (int x = 0; x < kGuideSize; ++x) {
       const cv::Point cell(x, y);
       const bool leaves = kGuideCell_m * lengthOf(cell - kRobotCell) < kLeaving_m;
       const double here = room(cell);
-      if (here < half_width_ && !leaves) continue;
+      if (here < needed && !leaves) continue;
       const auto crowded =
-          static_cast<float>(std::clamp((kRoom_m - here) / (kRoom_m - half_width_), 0.0, 1.0));
-      const float tight = here < half_width_ + kGap_m ? kTight : 0.0F;
+          static_cast<float>(std::clamp((kRoom_m - here) / (kRoom_m - needed), 0.0, 1.0));
       const auto off = static_cast<float>(std::min<double>(off_course(cell), kOffCourse_m));
-      cost(cell) = 1.0F + kCrowded * crowded + tight + kOffCourse * off;
+      cost(cell) = 1.0F + kCrowded * crowded + kOffCourse * off;
     }
   }
   return cost;

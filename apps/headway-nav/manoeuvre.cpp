@@ -23,7 +23,6 @@ constexpr double kPatience_s = 3.0;  // at rest: somebody who walks has passed
 constexpr double kMoved_m = 0.1, kMoved_rad = 0.2;
 constexpr double kWayOut_s = 1.0, kWayOut_mps = 0.25;
 constexpr double kEnough_m = 0.2;  // more room is worth nothing
-constexpr double kBlind = 0.5;     // of that room, what backwards needs more
 constexpr double kNear_m = 0.15;   // whoever is nearer while it turns passes first
 constexpr double kTouch_m = 0.03;  // half a cell of a grid
 constexpr double kTick_s = 0.1;
@@ -98,10 +97,9 @@ std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles)
       if (speed == 0.0 && turn_rate == 0.0) continue;
       const auto room = roomAfter(obstacles, {speed, turn_rate}, kWayOut_s, kTouch_m);
       if (!room) continue;
-      // Of equal room, what turns it to its target, and forward, where it sees who comes.
-      const double score = *room / kEnough_m +
-                           0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s)) -
-                           (speed < 0.0 ? kBlind : 0.0);
+      // Of equal room, what turns it to its target.
+      const double score =
+          *room / kEnough_m + 0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s));
       if (score > best_score) best = DriveCommand{speed, turn_rate};
       best_score = std::max(best_score, score);
     }
