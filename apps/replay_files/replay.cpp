@@ -39,7 +39,8 @@ io::RawlogSourceOptions sourceOptions(const Options& options,
 pipeline::PerceptionParams perceptionParams(const Options& options,
                                             pipeline::PerceptionParams params) {
   params.slam.stop = stopRequested;
-  if (!(options.realtime > 0.0)) params.grid.local = false;  // nobody drives by it
+  const bool drives = options.is_live || options.realtime > 0.0;
+  if (!drives) params.grid.local = false;  // nobody asks what is blocked now
   return options.realtime > 0.0 ? pipeline::PerceptionParams::live(std::move(params)) : params;
 }
 
