@@ -438,8 +438,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   if (options.ros2.isUsed()) {
     ros2.emplace(options.ros2, sensors != nullptr, options.calibration, options.pair_tolerance_s,
                  live::Ros2Connection::Callbacks{add, warn, states});
-    if (!quiet) std::puts(ros2->network().c_str());
-    std::fflush(stdout);
+    if (!quiet) std::cout << ros2->network() << std::endl;
     ros2->start();
   }
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
