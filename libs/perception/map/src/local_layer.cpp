@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace headway::map {
@@ -328,9 +329,11 @@ void LocalLayer::measureVelocity(const std::vector<Intruder>& come, Intruder& on
   };
   one.spread_mps = kLocal.speed_mps;
   const auto here = middleOf(come, one.time, one.place, kLocal.radius_m);
+  Time tried = -std::numeric_limits<double>::infinity();
   for (const Intruder& before : come_) {  // the oldest first
     const double seconds = one.time - before.time;
     if (seconds < kLocal.follow_least_s) return;
+    if (before.time == std::exchange(tried, before.time)) continue;
     const double walk_m = kLocal.radius_m + kLocal.speed_mps * seconds;
     const auto there = middleOf(come_, before.time, *here, walk_m);
     if (!there) continue;
