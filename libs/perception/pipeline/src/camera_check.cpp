@@ -173,19 +173,22 @@ Findings CameraCheck::add(const StereoFrame& frame) {
   const bool is_pair = !frame.right.empty();
   is_frozen_ = is_left_again && has_right && (!is_pair || is_right_again);
   std::string missing;
+  bool is_said = true;
   if (is_pair && has_left != has_right) {
     missing = std::string("the ") + (has_left ? "right" : "left") + " image shows nothing";
   } else if (is_pair && is_left_again != is_right_again) {
     missing = std::string("the ") + (is_left_again ? "left" : "right") + " image comes again";
   } else if (is_pair && has_left && isSame(frame.left, frame.right)) {
     missing = "left and right image are the same";
+    is_said = were_two_;  // who reads the images refuses those that begin so
   }
   is_one_missing_ = !missing.empty();
+  were_two_ = were_two_ || (is_pair && has_left && !is_one_missing_);
   if (is_frozen_) {
     findings.push_back({"camera_frozen", frame.index,
                         "the camera delivers the same images again: the pose is unreliable unless "
                         "wheel odometry stands; check its cable and its driver"});
-  } else if (is_one_missing_) {
+  } else if (is_one_missing_ && is_said) {
     findings.push_back({"one_image", frame.index,
                         missing + ", so that nothing can be measured: the pose is unreliable "
                                   "unless wheel odometry stands; check lens, cable and driver"});

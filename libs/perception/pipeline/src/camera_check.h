@@ -50,6 +50,7 @@ class CameraCheck {
   cv::Mat right_;
   bool is_frozen_ = false;
   bool is_one_missing_ = false;
+  bool were_two_ = false;  ///< images that differ, in a pair before
   /// Says how blurred an image with edges of these widths is, along rows and columns [px]; empty if
   /// it is not.
   [[nodiscard]] std::string blurOf(const std::array<double, 2>& widths) const;
