@@ -22,8 +22,9 @@ inline Detection seen(ObjectClass object_class, const Eigen::Vector3d& position,
   Box3d box;
   box.centre = R * position;
   box.yaw = opticalYaw(R * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0));
-  const bool person = object_class == ObjectClass::kPedestrian;
-  box.length = person ? 0.8 : 4.0;
+  const bool cyclist = object_class == ObjectClass::kCyclist;
+  const bool person = cyclist || object_class == ObjectClass::kPedestrian;
+  box.length = cyclist ? 1.8 : person ? 0.8 : 4.0;
   box.width = person ? 0.6 : 1.7;
   box.height = person ? 1.7 : 1.5;
   Detection detection;

@@ -79,7 +79,9 @@ INSTANTIATE_TEST_SUITE_P(Troubles, InTroubleTest, testing::Range(0, test::repeat
 
 TEST(TroubleTest, ContinuesAfterABlackImage) {
   const auto outcome = run(PaintedStreet(kStillStreet), test::troubles(kBlackFrame)[3]);
-  EXPECT_EQ(1u, outcome.dropped.at("unusable_image"));
+  // One image of a pair is missing: its pose does not count until both have agreed for a second.
+  EXPECT_LE(outcome.dropped.at("no_pose"), 11u) << "at 10 frames a second";
+  EXPECT_EQ(1u, outcome.dropped.size());
   EXPECT_LE(outcome.lost, 2);
 }
 
