@@ -162,6 +162,9 @@ TEST(MeasurementModelTest, CountsBoxesLargerThanAnythingOfTheirClass) {
   EXPECT_THAT(measure({lorry, tower}).dropped, ElementsAre(Pair("too_large", 2u)));
   lorry.object_class = ObjectClass::kTruck;
   EXPECT_THAT(measure({lorry}).dropped, ElementsAre());
+  lorry.object_class = ObjectClass::kCar;
+  lorry.mask = std::make_shared<const ObjectMask>();
+  EXPECT_TRUE(measure({lorry}).dropped.empty()) << "a group that was segmented in images";
 }
 
 TEST(MeasurementModelTest, CountsBoxesBehindTheCamera) {
