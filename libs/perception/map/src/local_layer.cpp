@@ -327,7 +327,6 @@ void LocalLayer::measureVelocity(const std::vector<Intruder>& come, Intruder& on
     }
     return count > 0 ? std::optional(Vector2d(sum / count)) : std::nullopt;
   };
-  one.spread_mps = kLocal.speed_mps;
   const auto here = middleOf(come, one.time, one.place, kLocal.radius_m);
   Time tried = -std::numeric_limits<double>::infinity();
   for (const Intruder& before : come_) {  // the oldest first

@@ -212,8 +212,8 @@ static std::optional<Track> advanced(const Track& track, double age_s) {
   return later;
 }
 
-std::vector<Track> TrackMemory::with(std::vector<Track> tracks, Time time, const Pose& T_map_odom,
-                                     const map::MapQuery& query) {
+std::vector<Track> TrackMemory::with(const std::vector<Track>& tracks, Time time,
+                                     const Pose& T_map_odom, const map::MapQuery& query) {
   const Pose T_odom_map = T_map_odom.inverse(Eigen::Isometry);
   if (time < time_) remembered_.clear();  // the clock was set back
   time_ = time;

@@ -177,7 +177,7 @@ class TrackMemory {
   ///
   /// @param tracks  map frame; of one time as often as it is asked for
   /// @param query   the map of that time, which says what is seen to be free
-  [[nodiscard]] std::vector<Track> with(std::vector<Track> tracks, Time time,
+  [[nodiscard]] std::vector<Track> with(const std::vector<Track>& tracks, Time time,
                                         const Pose& T_map_odom, const map::MapQuery& query);
 
  private:
