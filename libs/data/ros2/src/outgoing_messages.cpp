@@ -14,15 +14,16 @@
 namespace headway::ros2 {
 namespace {
 
-void write(CdrWriter& out, Time time) {
-  const double second = std::floor(time);
-  out.number(static_cast<std::int32_t>(second));
-  out.number(static_cast<std::uint32_t>(1e9 * (time - second)));
+void writeTime(CdrWriter& out, std::int64_t time_ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t rest = (time_ns % kSecond + kSecond) % kSecond;  // of times before 1970, too
+  out.number(static_cast<std::int32_t>((time_ns - rest) / kSecond));
+  out.number(static_cast<std::uint32_t>(rest));
 }
 
-void write(CdrWriter& out, const MessageStamp& stamp) {
-  write(out, stamp.time);
-  out.text(stamp.frame);
+void write(CdrWriter& out, const MessageHeader& header) {
+  writeTime(out, header.time_ns);
+  out.text(header.frame);
 }
 
 void write(CdrWriter& out, const Eigen::Vector3d& vector) {
@@ -64,12 +65,12 @@ std::vector<const Track*> shownOf(const std::vector<Track>& tracks) {
   return shown;
 }
 
-void writeGridHeader(CdrWriter& out, const MessageStamp& stamp, double cell_m, std::size_t width,
+void writeGridHeader(CdrWriter& out, const MessageHeader& header, double cell_m, std::size_t width,
                      std::size_t height, const Eigen::Vector2d& corner) {
   Pose origin = Pose::Identity();
   origin.translation().head<2>() = corner;
-  write(out, stamp);
-  write(out, stamp.time);  // when the map was loaded
+  write(out, header);
+  writeTime(out, header.time_ns);  // when the map was loaded
   out.number(static_cast<float>(cell_m));
   out.length(width);
   out.length(height);
@@ -78,10 +79,10 @@ void writeGridHeader(CdrWriter& out, const MessageStamp& stamp, double cell_m, s
 }
 
 /// The layout of a cloud of floats, before its bytes.
-void writeCloudHeader(CdrWriter& out, const MessageStamp& stamp, std::size_t points,
+void writeCloudHeader(CdrWriter& out, const MessageHeader& header, std::size_t points,
                       std::initializer_list<const char*> fields) {
   const std::size_t step = sizeof(float) * fields.size();
-  write(out, stamp);
+  write(out, header);
   out.length(1);
   out.length(points);
   out.length(fields.size());
@@ -115,8 +116,8 @@ struct Marker {
   std::string text;
 };
 
-void write(CdrWriter& out, const MessageStamp& stamp, const Marker& marker) {
-  write(out, stamp);
+void write(CdrWriter& out, const MessageHeader& header, const Marker& marker) {
+  write(out, header);
   out.text(marker.ns);
   out.number(marker.id);
   out.number(static_cast<std::int32_t>(marker.type));
@@ -124,13 +125,13 @@ void write(CdrWriter& out, const MessageStamp& stamp, const Marker& marker) {
   write(out, marker.pose);
   write(out, marker.scale);
   write(out, marker.colour, marker.opacity);
-  write(out, 0.5);  // lifetime [s]
+  writeTime(out, 500'000'000);  // lifetime
   out.flag(false);
   out.length(marker.points.size());
   for (const auto& point : marker.points) write(out, point);
   out.length(0);  // colours
   out.text("");   // texture, with its image and coordinates
-  write(out, MessageStamp{});
+  write(out, MessageHeader{});
   out.text("");
   out.length(0);
   out.length(0);
@@ -172,18 +173,24 @@ std::vector<Marker> markersOf(const Track& track) {
 
 }  // namespace
 
+MessageHeader headerOf(Time time, const std::string& frame) {
+  const double second = std::floor(time);  // a product of the whole time has 128 ns of rounding
+  return {static_cast<std::int64_t>(second) * 1'000'000'000 + std::llround(1e9 * (time - second)),
+          frame};
+}
+
 std::string clockMessage(Time time) {
   CdrWriter out;
-  write(out, time);
+  writeTime(out, headerOf(time, "").time_ns);
   return out.take();
 }
 
-std::string transformMessage(const std::vector<StampedTransform>& transforms) {
+std::string transformMessage(const std::vector<bags::TransformMessage>& transforms) {
   CdrWriter out;
   out.length(transforms.size());
-  for (const StampedTransform& transform : transforms) {
-    write(out, transform.stamp);
-    out.text(transform.child);
+  for (const bags::TransformMessage& transform : transforms) {
+    write(out, transform.header);
+    out.text(transform.child_frame);
     write(out, transform.T_parent_child);
   }
   return out.take();
@@ -191,7 +198,7 @@ std::string transformMessage(const std::vector<StampedTransform>& transforms) {
 
 std::string odometryMessage(const OdometrySample& sample) {
   CdrWriter out;
-  write(out, sample.stamp);
+  write(out, headerOf(sample.time, sample.frame));
   out.text(sample.child);
   write(out, sample.T_odom_robot);
   PoseCovariance axes = PoseCovariance::Zero();  // ROS has it in the axes of the frame
@@ -205,15 +212,15 @@ std::string odometryMessage(const OdometrySample& sample) {
 
 std::string gridMessage(const GridMessage& grid) {
   CdrWriter out;
-  writeGridHeader(out, grid.stamp, grid.cell_m, grid.width, grid.height, grid.corner);
+  writeGridHeader(out, grid.header, grid.cell_m, grid.width, grid.height, grid.corner);
   out.append(grid.cells.data(), grid.cells.size());
   return out.take();
 }
 
-std::string gridMessage(const MessageStamp& stamp, const mrpt::maps::COccupancyGridMap2D& grid) {
+std::string gridMessage(const MessageHeader& header, const mrpt::maps::COccupancyGridMap2D& grid) {
   CdrWriter out;
   const auto width = grid.getSizeX(), height = grid.getSizeY();
-  writeGridHeader(out, stamp, grid.getResolution(), width, height,
+  writeGridHeader(out, header, grid.getResolution(), width, height,
                   {grid.getXMin(), grid.getYMin()});
   out.reserve(static_cast<std::size_t>(width) * height);
   std::vector<std::int8_t> row(width);
@@ -228,17 +235,18 @@ std::string gridMessage(const MessageStamp& stamp, const mrpt::maps::COccupancyG
   return out.take();
 }
 
-std::string cloudMessage(const MessageStamp& stamp, const std::vector<Eigen::Vector3f>& points) {
+std::string cloudMessage(const MessageHeader& header, const std::vector<Eigen::Vector3f>& points) {
   CdrWriter out;
-  writeCloudHeader(out, stamp, points.size(), {"x", "y", "z"});
+  writeCloudHeader(out, header, points.size(), {"x", "y", "z"});
   out.append(points.data(), points.size() * sizeof(Eigen::Vector3f));
   out.flag(true);  // no point is invalid
   return out.take();
 }
 
-std::string cloudMessage(const MessageStamp& stamp, const mrpt::maps::CColouredPointsMap& points) {
+std::string cloudMessage(const MessageHeader& header,
+                         const mrpt::maps::CColouredPointsMap& points) {
   CdrWriter out;
-  writeCloudHeader(out, stamp, points.size(), {"x", "y", "z", "rgb"});
+  writeCloudHeader(out, header, points.size(), {"x", "y", "z", "rgb"});
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<float, 6> p{};
     points.getPointRGB(i, p[0], p[1], p[2], p[3], p[4], p[5]);
@@ -254,15 +262,15 @@ std::string cloudMessage(const MessageStamp& stamp, const mrpt::maps::CColouredP
   return out.take();
 }
 
-std::string detectionMessage(const MessageStamp& stamp, const std::vector<Track>& tracks) {
+std::string detectionMessage(const MessageHeader& header, const std::vector<Track>& tracks) {
   CdrWriter out;
   const auto shown = shownOf(tracks);
-  write(out, stamp);
+  write(out, header);
   out.length(shown.size());
   for (const Track* track : shown) {
     PoseCovariance covariance = PoseCovariance::Zero();
     covariance.topLeftCorner<3, 3>() = track->position_covariance;
-    write(out, stamp);
+    write(out, header);
     out.length(1);
     out.text(toString(track->object_class));
     out.number(track->score);
@@ -275,10 +283,10 @@ std::string detectionMessage(const MessageStamp& stamp, const std::vector<Track>
   return out.take();
 }
 
-std::string obstacleMessage(const MessageStamp& stamp, const std::vector<Track>& tracks) {
+std::string obstacleMessage(const MessageHeader& header, const std::vector<Track>& tracks) {
   CdrWriter out;
   const auto shown = shownOf(tracks);
-  write(out, stamp);
+  write(out, header);
   out.length(shown.size());
   for (const Track* track : shown) {
     std::array<std::uint8_t, 16> uuid{};  // of the track, the same in all frames
@@ -298,20 +306,20 @@ std::string obstacleMessage(const MessageStamp& stamp, const std::vector<Track>&
   return out.take();
 }
 
-std::string markerMessage(const MessageStamp& stamp, const std::vector<Track>& tracks) {
+std::string markerMessage(const MessageHeader& header, const std::vector<Track>& tracks) {
   CdrWriter out;
   std::vector<Marker> markers;
   for (const Track* track : shownOf(tracks)) {
     for (auto& marker : markersOf(*track)) markers.push_back(std::move(marker));
   }
   out.length(markers.size());
-  for (const Marker& marker : markers) write(out, stamp, marker);
+  for (const Marker& marker : markers) write(out, header, marker);
   return out.take();
 }
 
 std::string diagnosticMessage(Time time, const std::vector<DiagnosticLine>& lines) {
   CdrWriter out;
-  write(out, MessageStamp{time, ""});
+  write(out, headerOf(time, ""));
   out.length(lines.size());
   for (const DiagnosticLine& line : lines) {
     out.number(static_cast<std::uint8_t>(line.level));

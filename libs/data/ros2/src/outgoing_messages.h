@@ -12,22 +12,17 @@
 #include <string>
 #include <vector>
 
+#include "messages.h"
+
 namespace headway::ros2 {
 
-/// Time and frame of a message.
-struct MessageStamp {
-  Time time = 0.0;
-  std::string frame;
-};
+using bags::MessageHeader;
 
-struct StampedTransform {
-  MessageStamp stamp;  ///< its frame is the parent
-  std::string child;
-  Pose T_parent_child = Pose::Identity();
-};
+[[nodiscard]] MessageHeader headerOf(Time time, const std::string& frame);
 
 struct OdometrySample {
-  MessageStamp stamp;
+  Time time = 0.0;
+  std::string frame;
   std::string child;
   Pose T_odom_robot = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Zero();
@@ -37,7 +32,7 @@ struct OdometrySample {
 
 /// Cells row by row from the corner on: 0 free to 100 occupied, -1 unknown.
 struct GridMessage {
-  MessageStamp stamp;
+  MessageHeader header;
   double cell_m = 0.0;
   std::uint32_t width = 0, height = 0;               ///< cells
   Eigen::Vector2d corner = Eigen::Vector2d::Zero();  ///< of the first cell [m]
@@ -46,26 +41,26 @@ struct GridMessage {
 
 [[nodiscard]] std::string clockMessage(Time time);  ///< rosgraph_msgs/Clock
 /// tf2_msgs/TFMessage
-[[nodiscard]] std::string transformMessage(const std::vector<StampedTransform>& transforms);
+[[nodiscard]] std::string transformMessage(const std::vector<bags::TransformMessage>& transforms);
 [[nodiscard]] std::string odometryMessage(const OdometrySample& sample);  ///< nav_msgs/Odometry
 [[nodiscard]] std::string gridMessage(const GridMessage& grid);  ///< nav_msgs/OccupancyGrid
 /// The same of a static grid, with map_server's thresholds of free and occupied.
-[[nodiscard]] std::string gridMessage(const MessageStamp& stamp,
+[[nodiscard]] std::string gridMessage(const MessageHeader& header,
                                       const mrpt::maps::COccupancyGridMap2D& grid);
 /// sensor_msgs/PointCloud2 with x, y, z
-[[nodiscard]] std::string cloudMessage(const MessageStamp& stamp,
+[[nodiscard]] std::string cloudMessage(const MessageHeader& header,
                                        const std::vector<Eigen::Vector3f>& points);
 /// sensor_msgs/PointCloud2 with x, y, z, rgb
-[[nodiscard]] std::string cloudMessage(const MessageStamp& stamp,
+[[nodiscard]] std::string cloudMessage(const MessageHeader& header,
                                        const mrpt::maps::CColouredPointsMap& points);
 /// vision_msgs/Detection3DArray of the tracks that are shown
-[[nodiscard]] std::string detectionMessage(const MessageStamp& stamp,
+[[nodiscard]] std::string detectionMessage(const MessageHeader& header,
                                            const std::vector<Track>& tracks);
 /// nav2_dynamic_msgs/ObstacleArray of the same
-[[nodiscard]] std::string obstacleMessage(const MessageStamp& stamp,
+[[nodiscard]] std::string obstacleMessage(const MessageHeader& header,
                                           const std::vector<Track>& tracks);
 /// visualization_msgs/MarkerArray: boxes, names and predicted paths
-[[nodiscard]] std::string markerMessage(const MessageStamp& stamp,
+[[nodiscard]] std::string markerMessage(const MessageHeader& header,
                                         const std::vector<Track>& tracks);
 /// diagnostic_msgs/DiagnosticArray
 [[nodiscard]] std::string diagnosticMessage(Time time, const std::vector<DiagnosticLine>& lines);

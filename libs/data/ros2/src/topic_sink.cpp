@@ -26,15 +26,15 @@ class MotionBridge {
   static constexpr double kMaxBridge_s = 1.0;  // without images: then the odometry stands still
 
   void setFrame(const OdometrySample& frame) {
-    if (frame_ && frame.stamp.time > frame_->stamp.time) {
-      const double dt = frame.stamp.time - frame_->stamp.time;
+    if (frame_ && frame.time > frame_->time) {
+      const double dt = frame.time - frame_->time;
       const Pose step = frame_->T_odom_robot.inverse(Eigen::Isometry) * frame.T_odom_robot;
       velocity_ = step.translation() / dt;
       angular_velocity_ = logSo3(step.linear()) / dt;
     }
     frame_ = frame;
     turn_ = Eigen::Matrix3d::Identity();
-    turned_until_ = frame.stamp.time;
+    turned_until_ = frame.time;
     for (const auto& rate : rates_) turnBy(rate);
   }
 
@@ -63,14 +63,14 @@ class MotionBridge {
     OdometrySample sample = *frame_;
     sample.velocity = velocity_;
     sample.angular_velocity = angular_velocity_;
-    const Time start = frame_->stamp.time;
+    const Time start = frame_->time;
     const auto at_frame = wheelsAt(start);
     if (at_frame && wheels_.back().time > start && wheels_.back().time - start < kMaxBridge_s) {
       const Pose step = at_frame->inverse(Eigen::Isometry) * wheels_.back().value;
-      sample.stamp.time = wheels_.back().time;
+      sample.time = wheels_.back().time;
       sample.T_odom_robot = frame_->T_odom_robot * step;
     } else if (turned_until_ > start && turned_until_ - start < kMaxBridge_s) {
-      sample.stamp.time = turned_until_;
+      sample.time = turned_until_;
       sample.T_odom_robot.translation() +=
           frame_->T_odom_robot.linear() * velocity_ * (turned_until_ - start);
       sample.T_odom_robot.linear() = frame_->T_odom_robot.linear() * turn_;
@@ -116,9 +116,9 @@ class MotionBridge {
 
 /// A square around the robot, in the odometry frame, of cells that are free at first.
 GridMessage windowAround(const Pose& T_odom_robot, double reach_m, double cell_m,
-                         const MessageStamp& stamp) {
+                         const MessageHeader& header) {
   GridMessage grid;
-  grid.stamp = stamp;
+  grid.header = header;
   grid.cell_m = cell_m;
   grid.width = grid.height = 2 * static_cast<std::uint32_t>(std::ceil(reach_m / cell_m));
   const Eigen::Vector2d corner =
@@ -267,7 +267,7 @@ class TopicSink::Implementation {
     }
     if (!bridge_.add(observation) || params_.odometry_hz <= 0.0) return;
     const auto sample = bridge_.newest();
-    if (sample && sample->stamp.time >= odometry_.last + 1.0 / params_.odometry_hz) send(*sample);
+    if (sample && sample->time >= odometry_.last + 1.0 / params_.odometry_hz) send(*sample);
   }
 
  private:
@@ -290,7 +290,8 @@ class TopicSink::Implementation {
   void publishPose(const pipeline::PerceptionUpdate& update) {
     const auto& camera = update.camera;
     OdometrySample frame;
-    frame.stamp = {update.time, odometry_frame_};
+    frame.time = update.time;
+    frame.frame = odometry_frame_;
     frame.child = params_.robot_frame;
     frame.T_odom_robot = camera.T_odom_robot;
     frame.covariance = camera.covariance;
@@ -312,24 +313,25 @@ class TopicSink::Implementation {
     const bool is_set_back = update.time < odometry_.last - MotionBridge::kMaxBridge_s;
     if (is_set_back) odometry_.last = 0.0;
     const auto sample = bridge_.newest();
-    if (sample && sample->stamp.time > odometry_.last) send(*sample);
+    if (sample && sample->time > odometry_.last) send(*sample);
   }
 
   /// Odometry and transforms. mutex_ is locked.
   void send(const OdometrySample& sample) {
-    odometry_.last = sample.stamp.time;
+    odometry_.last = sample.time;
     if (odometry_.hz > 0.0 && odometry_.publication.hasSubscribers()) {
       (void)odometry_.publication.publish(odometryMessage(sample));
     }
-    std::vector<StampedTransform> transforms;
-    const MessageStamp in_map{sample.stamp.time, params_.map_frame};
+    std::vector<bags::TransformMessage> transforms;
+    const MessageHeader in_map = headerOf(sample.time, params_.map_frame);
     if (params_.map_odom && T_map_odom_) {
       transforms.push_back(
           {in_map, params_.odom_frame, T_map_others_ ? *T_map_others_ : *T_map_odom_});
       if (!params_.odom_base) transforms.push_back({in_map, kOwnOdometry, *T_map_odom_});
     }
     if (params_.odom_base) {
-      transforms.push_back({sample.stamp, params_.robot_frame, sample.T_odom_robot});
+      transforms.push_back(
+          {headerOf(sample.time, sample.frame), params_.robot_frame, sample.T_odom_robot});
     }
     if (!transforms.empty() && transforms_.hasSubscribers()) {
       (void)transforms_.publish(transformMessage(transforms));
@@ -373,39 +375,41 @@ class TopicSink::Implementation {
   /// Empty if there is nothing to say.
   std::string messageOf(const Topic* topic, const map::PerceptionMap& map, Time time,
                         const std::vector<Track>& tracks, const Pose& T_odom_robot) const {
-    const MessageStamp stamp{time, odometry_frame_};
-    if (topic == &detections_) return detectionMessage(stamp, tracks);
-    if (topic == &moving_) return obstacleMessage(stamp, tracks);
-    if (topic == &markers_) return markerMessage(stamp, tracks);
+    const MessageHeader header = headerOf(time, odometry_frame_);
+    if (topic == &detections_) return detectionMessage(header, tracks);
+    if (topic == &moving_) return obstacleMessage(header, tracks);
+    if (topic == &markers_) return markerMessage(header, tracks);
     const auto local = map.local();
     if (local == nullptr) return "";
     if (topic == &obstacles_) {
-      return cloudMessage({time, params_.robot_frame}, blockedAround(*local, time, T_odom_robot));
+      return cloudMessage(headerOf(time, params_.robot_frame),
+                          blockedAround(*local, time, T_odom_robot));
     }
     if (topic == &local_) {
-      auto grid = windowAround(T_odom_robot, local->reach_m(), local->cell_m(), stamp);
+      auto grid = windowAround(T_odom_robot, local->reach_m(), local->cell_m(), header);
       setLocalState(*local, time, grid);
       return gridMessage(grid);
     }
     const double horizon_s = 0.5 * static_cast<double>(1 + (topic - predicted_.data()));
-    auto grid = windowAround(T_odom_robot, local->reach_m(), 2.0 * local->cell_m(), stamp);
+    auto grid = windowAround(T_odom_robot, local->reach_m(), 2.0 * local->cell_m(), header);
     setOccupancy(map.inOdometryAt(time).obstaclesAt(time + horizon_s).items, grid);
     return gridMessage(grid);
   }
 
   void publishMaps(const run::FrameResult& result, const map::PerceptionMap& map) {
     if (maps_done_.valid() && !isReady(maps_done_)) return;
-    const MessageStamp stamp{result.update.time, params_.map_frame};
+    const MessageHeader header = headerOf(result.update.time, params_.map_frame);
     const auto grid = map.staticGrid();
     const auto dense = map.dense();
-    const bool has_grid = grid != nullptr && grid != last_grid_ && map_.isDue(stamp.time);
-    const bool has_dense = dense != nullptr && dense != last_dense_ && dense_.isDue(stamp.time);
+    const bool has_grid = grid != nullptr && grid != last_grid_ && map_.isDue(result.update.time);
+    const bool has_dense =
+        dense != nullptr && dense != last_dense_ && dense_.isDue(result.update.time);
     if (has_grid) last_grid_ = grid;
     if (has_dense) last_dense_ = dense;
     if (!has_grid && !has_dense) return;
-    maps_done_ = maps_.run([this, stamp, grid, dense, has_grid, has_dense] {
-      if (has_grid) (void)map_.publication.publish(gridMessage(stamp, *grid));
-      if (has_dense) (void)dense_.publication.publish(cloudMessage(stamp, *dense));
+    maps_done_ = maps_.run([this, header, grid, dense, has_grid, has_dense] {
+      if (has_grid) (void)map_.publication.publish(gridMessage(header, *grid));
+      if (has_dense) (void)dense_.publication.publish(cloudMessage(header, *dense));
     });
   }
 
