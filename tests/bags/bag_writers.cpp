@@ -2,6 +2,7 @@
 #include "bag_writers.h"
 
 #include <headway_test/folders.h>
+#include <headway_test/npm_packages.h>
 #include <headway_test/paths.h>
 #include <headway_test/process.h>
 
@@ -21,20 +22,8 @@ bool succeeds(const std::string& command) {
 
 /// Why npm's packages are not there; empty if they are. Installed by the first test that asks.
 const std::string& missingPackages() {
-  static const std::string missing = [] {
-    if (!succeeds("command -v node && command -v npm")) {
-      return std::string("node and npm are not installed; they write ROS 2 bags for this test");
-    }
-    const std::string folder = HEADWAY_NODE_DIR;
-    const std::string install = "cmp -s " + kWriters + "package.json installed.json || (cp " +
-                                kWriters +
-                                "package.json . && npm install --no-package-lock --no-audit "
-                                "--no-fund --silent && cp package.json installed.json)";
-    const bool is_installed = succeeds("mkdir -p " + folder + " && cd " + folder +
-                                       " && flock lock sh -c '" + install + "'");
-    return is_installed ? std::string()
-                        : std::string("npm cannot install the packages of tests/bags/writers");
-  }();
+  static const std::string missing =
+      headway::test::missingNpmPackages("tests/bags/writers", HEADWAY_NODE_DIR, "write ROS 2 bags");
   return missing;
 }
 

@@ -3,6 +3,7 @@
 // exist.
 #include <gmock/gmock.h>
 #include <headway_test/folders.h>
+#include <headway_test/npm_packages.h>
 #include <headway_test/process.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -118,25 +119,16 @@ TEST_F(ReplayExportTest, McapHasTheSameBytesTwiceAndRefusesAnotherFolder) {
 
 /// Why npm's readers are not there; empty if they are.
 std::string missingReaders() {
-  if (test::runProcess("command -v node && command -v npm").status != 0) {
-    return "node and npm are not installed; they read MCAP files for this test";
-  }
-  const std::string source = std::string(HEADWAY_SOURCE_DIR) + "/tests/export/";
-  const std::string install =
-      "mkdir -p " HEADWAY_NODE_DIR " && cd " HEADWAY_NODE_DIR " && cp " + source +
-      "read_mcap.mjs . && (cmp -s " + source + "package.json installed.json || (cp " + source +
-      "package.json . && npm install --no-package-lock --no-audit --no-fund --silent && cp "
-      "package.json installed.json))";
-  return test::runProcess(install).status == 0
-             ? ""
-             : "npm cannot install the packages of tests/export/package.json";
+  return test::missingNpmPackages("tests/export", HEADWAY_NODE_DIR, "read MCAP files");
 }
 
 /// The file as npm's readers understand it.
 class McapExportTest : public ReplayExportTest {
  protected:
   nlohmann::json read(const std::string& name) const {
-    const auto run = test::runProcess("cd " HEADWAY_NODE_DIR " && node read_mcap.mjs " + at(name));
+    const auto run = test::runProcess("cd " HEADWAY_NODE_DIR " && cp " HEADWAY_SOURCE_DIR
+                                      "/tests/export/read_mcap.mjs . && node read_mcap.mjs " +
+                                      at(name));
     EXPECT_EQ(0, run.status) << run.output;
     return nlohmann::json::parse(run.output, nullptr, false);
   }

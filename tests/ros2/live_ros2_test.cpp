@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway_test/folders.h>
+#include <headway_test/npm_packages.h>
 #include <headway_test/process.h>
 #include <headway_test/waiting.h>
 
@@ -109,11 +110,8 @@ class Audience {
     const std::lock_guard lock(mutex_);
     return counts_[topic];
   }
-  template <typename Read>
-  auto read(const Read& member) {
-    const std::lock_guard lock(mutex_);
-    return this->*member;
-  }
+  /// Ends the reception.
+  void close() { readers_.clear(); }
 
   std::set<std::string> edges_, health_;
   std::set<int> local_states_;
@@ -139,6 +137,165 @@ class Audience {
   std::vector<std::unique_ptr<FastDdsPeer::Reader>> readers_;
 };
 
+/// Keeps messages of all topics as they came, as lines for decode_messages.mjs.
+class Recorder {
+ public:
+  Recorder(FastDdsPeer& peer, const std::string& path) : lines_(path) {
+    for (const char* name :
+         {"/headway/local_costmap", "/headway/predicted_500ms", "/headway/predicted_3000ms"}) {
+      add(peer, name, "nav_msgs", "OccupancyGrid");
+    }
+    add(peer, "/map", "nav_msgs", "OccupancyGrid", {true, true, 1});
+    add(peer, "/headway/odometry", "nav_msgs", "Odometry");
+    add(peer, "/headway/obstacles", "sensor_msgs", "PointCloud2");
+    add(peer, "/headway/dense_map", "sensor_msgs", "PointCloud2");
+    add(peer, "/headway/detections", "vision_msgs", "Detection3DArray");
+    add(peer, "/headway/moving_obstacles", "nav2_dynamic_msgs", "ObstacleArray");
+    add(peer, "/headway/markers", "visualization_msgs", "MarkerArray");
+    add(peer, "/diagnostics", "diagnostic_msgs", "DiagnosticArray");
+    add(peer, "/clock", "rosgraph_msgs", "Clock");
+    add(peer, "/tf", "tf2_msgs", "TFMessage");
+    add(peer, "ros_discovery_info", "rmw_dds_common", "ParticipantEntitiesInfo", {true, true, 1});
+  }
+
+  void close() {
+    readers_.clear();
+    lines_.close();
+  }
+  [[nodiscard]] const std::vector<std::string>& topics() const { return topics_; }
+
+ private:
+  void add(FastDdsPeer& peer, const std::string& topic, const std::string& package,
+           const std::string& type, const test::PeerQos& qos = {true, false, 100}) {
+    topics_.push_back(topic);
+    readers_.push_back(peer.bytesReader(
+        (topic[0] == '/' ? "rt" : "") + topic, package + "::msg::dds_::" + type + "_", qos,
+        [this, topic, name = package + "/" + type](const std::string& message) {
+          constexpr char kDigits[] = "0123456789abcdef";
+          std::string hex;
+          for (const unsigned char byte : message) hex += {kDigits[byte / 16], kDigits[byte % 16]};
+          const std::lock_guard lock(mutex_);
+          lines_ << R"({"topic":")" << topic << R"(","type":")" << name << R"(","cdr":")" << hex
+                 << "\"}\n";
+        }));
+  }
+
+  std::mutex mutex_;
+  std::ofstream lines_;  // guarded by mutex_
+  std::vector<std::string> topics_;
+  std::vector<std::unique_ptr<FastDdsPeer::Reader>> readers_;
+};
+
+/// A robot that drives once for all tests, and what others received of it.
+class RobotDriveTest : public ::testing::Test {
+ protected:
+  static constexpr std::size_t kFrames = 40;
+
+  static void SetUpTestSuite() {
+    folder_.emplace();
+    const int domain = test::domainOfThisTest();
+    FastDdsPeer peer(domain), other(domain);
+    test::Robot robot(peer, streetRawlog());
+    audience_ = std::make_unique<Audience>(peer);
+    Recorder recorder(other, at("messages.txt"));
+    topics_ = recorder.topics();
+    std::ofstream(at("ros2.ini"))
+        << "[ros2_publish]\nodom_base = true\nclock = true\npredicted_hz = 10\n";
+    LiveProgram live("--ros2 " + at("ros2.ini") + " --ros2-interface lo -w -o " + at("out") +
+                         " --record " + at("recorded.rawlog"),
+                     folder_->path().string(), domain);
+    ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
+    EXPECT_THAT(live.output(), HasSubstr("ROS 2 domain " + std::to_string(domain) + " on lo"));
+    const std::atomic<bool> stop{false};
+    sent_ = robot.play(0.5, stop, kFrames);
+    EXPECT_TRUE(waitUntil([&] { return audience_->count("/headway/odometry") + 3 >= sent_ / 2; }));
+    EXPECT_TRUE(waitUntil([&] { return audience_->count("/headway/dense_map") > 0; }));
+    EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
+    audience_->close();
+    recorder.close();
+  }
+  static void TearDownTestSuite() {
+    audience_.reset();
+    folder_.reset();
+  }
+
+  static std::string at(const std::string& name) { return *folder_ / name; }
+
+  static inline std::optional<test::TemporaryFolder> folder_;
+  static inline std::unique_ptr<Audience> audience_;
+  static inline std::vector<std::string> topics_;
+  static inline std::size_t sent_ = 0;  ///< frames
+};
+
+TEST_F(RobotDriveTest, ResultsAreTopics) {
+  for (const char* topic :
+       {"/tf", "/map", "/headway/local_costmap", "/headway/predicted_1000ms", "/headway/obstacles",
+        "/headway/detections", "/headway/moving_obstacles", "/headway/markers", "/diagnostics"}) {
+    EXPECT_GT(audience_->count(topic), 0U) << topic;
+  }
+  EXPECT_THAT(audience_->edges_, ::testing::IsSupersetOf({"map>odom", "odom>base_link"}));
+  EXPECT_EQ(audience_->backward_, 0U);
+  EXPECT_GT(audience_->obstacles_, 0U);
+  EXPECT_EQ(audience_->obstacle_frame_, "base_link");
+  EXPECT_THAT(audience_->local_states_, ::testing::IsSupersetOf({0, 100, 255}));
+  EXPECT_GT(audience_->detections_, 0U);
+  EXPECT_EQ(audience_->detections_, audience_->moving_);
+  EXPECT_THAT(audience_->health_,
+              ::testing::IsSupersetOf(
+                  {"headway: localisation", "headway: input", "headway: sensor /left/image"}));
+}
+
+TEST_F(RobotDriveTest, StampsAreThoseOfTheImages) {
+  const auto frames = test::contentsOf(at("out/trajectory_online.tum"));
+  EXPECT_GE(std::count(frames.begin(), frames.end(), '\n'), static_cast<long>(sent_ / 2));
+  std::ifstream rows(at("out/trajectory_odom.tum"));
+  std::set<long> times;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  for (std::string row; std::getline(rows, row);) {
+    std::istringstream fields(row);
+    Time time = 0.0;
+    if (!(fields >> time)) continue;
+    fields >> place.x() >> place.y() >> place.z();
+    times.insert(std::lround(1e4 * time));
+  }
+  EXPECT_FALSE(times.empty());
+  for (const Time stamp : audience_->stamps_) EXPECT_EQ(times.count(std::lround(1e4 * stamp)), 1U);
+  EXPECT_LT((audience_->last_place_ - place).norm(), 1e-6);
+  EXPECT_GT(std::filesystem::file_size(at("recorded.rawlog")), 1'000'000U);
+}
+
+/// By npm's packages: each message decodes with the published definition of its type, and encodes
+/// to the same bytes.
+TEST_F(RobotDriveTest, AThirdImplementationDecodesAllMessagesOfAnMcapFile) {
+  const std::string missing =
+      test::missingNpmPackages("tests/bags/writers", HEADWAY_NODE_DIR, "decode messages");
+  if (!missing.empty()) GTEST_SKIP() << missing;
+  const auto run = test::runProcess("cd " HEADWAY_NODE_DIR " && node " HEADWAY_SOURCE_DIR
+                                    "/tests/ros2/decode_messages.mjs " +
+                                    at("drive.mcap") + " < " + at("messages.txt"));
+  ASSERT_EQ(run.status, 0) << run.output;
+  const auto decoded = nlohmann::json::parse(run.output);
+  for (const auto& topic : topics_) {
+    ASSERT_TRUE(decoded.contains(topic)) << topic;
+    EXPECT_EQ(decoded[topic]["different"], 0) << topic << ": " << decoded[topic];
+  }
+  EXPECT_EQ(decoded["/headway/odometry"]["messages"], audience_->count("/headway/odometry"));
+  const auto& odometry = decoded["/headway/odometry"]["last"];
+  EXPECT_EQ(odometry["header"]["frame_id"], "odom");
+  EXPECT_EQ(odometry["child_frame_id"], "base_link");
+  const auto& stamp = odometry["header"]["stamp"];
+  EXPECT_NEAR(stamp["sec"].get<double>() + 1e-9 * stamp["nanosec"].get<double>(),
+              audience_->stamps_.back(), 1e-6);
+  const auto& map = decoded["/map"]["last"];
+  EXPECT_EQ(map["header"]["frame_id"], "map");
+  EXPECT_EQ(map["data"], map["info"]["width"].get<int>() * map["info"]["height"].get<int>());
+  const auto& cloud = decoded["/headway/dense_map"]["last"];
+  EXPECT_EQ(cloud["data"], 16 * cloud["width"].get<int>());
+  EXPECT_EQ(decoded["/headway/obstacles"]["last"]["fields"][2]["name"], "z");
+  EXPECT_EQ(decoded["ros_discovery_info"]["last"]["node_entities_info_seq"][0]["node_name"],
+            "headway");
+}
+
 class LiveRos2Test : public ::testing::Test {
  protected:
   LiveRos2Test() : domain_(test::domainOfThisTest()), peer_(domain_) {}
@@ -155,57 +312,6 @@ class LiveRos2Test : public ::testing::Test {
   FastDdsPeer peer_;
   std::atomic<bool> stop_{false};
 };
-
-TEST_F(LiveRos2Test, ARobotsTopicsBecomeResultsAsTopics) {
-  test::Robot robot(peer_, streetRawlog());
-  Audience audience(peer_);
-  const std::string recorded = folder_ / "recorded.rawlog";
-  LiveProgram live("--ros2 " +
-                       ini("[ros2_publish]\nodom_base = true\nclock = true\npredicted_hz = 10\n") +
-                       " --ros2-interface lo -w -o " + out() + " --record " + recorded,
-                   folder_.path().string(), domain_);
-  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
-  EXPECT_THAT(live.output(), HasSubstr("ROS 2 domain " + std::to_string(domain_) + " on lo"));
-  const std::size_t sent = robot.play(0.5, stop_);
-  const auto results = [&] { return audience.count("/headway/odometry"); };
-  EXPECT_TRUE(waitUntil([&] { return results() + 3 >= sent / 2; })) << live.output();
-  EXPECT_TRUE(waitUntil([&] { return audience.count("/headway/dense_map") > 0; }));
-  EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
-
-  for (const char* topic :
-       {"/tf", "/map", "/headway/local_costmap", "/headway/predicted_1000ms", "/headway/obstacles",
-        "/headway/detections", "/headway/moving_obstacles", "/headway/markers", "/diagnostics"}) {
-    EXPECT_GT(audience.count(topic), 0U) << topic;
-  }
-  EXPECT_THAT(audience.edges_, ::testing::IsSupersetOf({"map>odom", "odom>base_link"}));
-  EXPECT_EQ(audience.backward_, 0U);
-  EXPECT_GT(audience.obstacles_, 0U);
-  EXPECT_EQ(audience.obstacle_frame_, "base_link");
-  EXPECT_THAT(audience.local_states_, ::testing::IsSupersetOf({0, 100, 255}));
-  EXPECT_GT(audience.detections_, 0U);
-  EXPECT_EQ(audience.detections_, audience.moving_);
-  EXPECT_THAT(audience.health_, ::testing::IsSupersetOf({"headway: localisation", "headway: input",
-                                                         "headway: sensor /left/image"}));
-  // Stamps are those of the images: the recorded frames have the same.
-  const auto frames = test::contentsOf(out() + "/trajectory_online.tum");
-  EXPECT_GE(std::count(frames.begin(), frames.end(), '\n'), static_cast<long>(sent / 2));
-  std::ifstream rows(out() + "/trajectory_odom.tum");
-  std::set<long> times;
-  Time last_time = 0.0;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  for (std::string row; std::getline(rows, row);) {
-    std::istringstream fields(row);
-    Time time = 0.0;
-    if (!(fields >> time)) continue;
-    fields >> place.x() >> place.y() >> place.z();
-    last_time = time;
-    times.insert(std::lround(1e4 * time));
-  }
-  EXPECT_GT(last_time, 0.0);
-  for (const Time stamp : audience.stamps_) EXPECT_EQ(times.count(std::lround(1e4 * stamp)), 1U);
-  EXPECT_LT((audience.last_place_ - place).norm(), 1e-6);
-  EXPECT_GT(std::filesystem::file_size(recorded), 1'000'000U);
-}
 
 TEST_F(LiveRos2Test, EitherSideIsKilledAndComesBack) {
   const std::string arguments =
@@ -254,13 +360,11 @@ TEST_F(LiveRos2Test, ListsTopicsAndNamesMistakes) {
     return test::runProcess("ROS_DOMAIN_ID=" + std::to_string(domain_) + " " +
                             test::program("headway-live") + " " + arguments);
   };
-  const auto list = run("--ros2-list --ros2-interface lo");
+  const auto list =
+      run("--ros2 " HEADWAY_SOURCE_DIR "/config/ros2.ini --ros2-list --ros2-interface lo");
   EXPECT_EQ(list.status, 0) << list.output;
   EXPECT_THAT(list.output, HasSubstr("/left/image  sensor_msgs/Image  1 publisher, reliable"));
   EXPECT_THAT(list.output, HasSubstr("<- left image"));
-  const auto shipped = run("--ros2 " + std::string(HEADWAY_SOURCE_DIR) +
-                           "/config/ros2.ini --ros2-list --ros2-interface lo");
-  EXPECT_EQ(shipped.status, 0) << shipped.output;
   const auto unknown = run("--ros2 " + ini("[ros2]\nlefft = /x\n") + " -o " + out());
   EXPECT_EQ(unknown.status, 1);
   EXPECT_THAT(unknown.output, HasSubstr("lefft"));

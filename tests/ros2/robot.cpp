@@ -9,6 +9,7 @@
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationStereoImages.h>
@@ -109,6 +110,8 @@ class Robot::Implementation {
         open(nav_msgs::msg::dds_::Odometry_PubSubType(), "/odom", {true, false, 100});
       } else if (dynamic_cast<const CObservation2DRangeScan*>(&observation) && !has("/scan")) {
         open(LaserScan_PubSubType(), "/scan");
+      } else if (dynamic_cast<const CObservationGPS*>(&observation) && !has("/fix")) {
+        open(NavSatFix_PubSubType(), "/fix");
       }
       return ++count < 200;  // each sensor occurs in the beginning
     });
@@ -122,7 +125,7 @@ class Robot::Implementation {
     return watched >= 2;
   }
 
-  std::size_t play(double factor, const std::atomic<bool>& stop) {
+  std::size_t play(double factor, const std::atomic<bool>& stop, std::size_t max_frames) {
     std::optional<Time> first;
     double start_s = 0.0;
     std::size_t frames = 0;
@@ -134,7 +137,7 @@ class Robot::Implementation {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
       if (send(observation, recorded + shift_s_)) ++frames;
-      return !stop;
+      return !stop && frames < max_frames;
     });
     return frames;
   }
@@ -186,6 +189,7 @@ class Robot::Implementation {
     if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
       sendScan(*scan, time);
     }
+    if (const auto* fix = dynamic_cast<const CObservationGPS*>(&observation)) sendFix(*fix, time);
     return false;
   }
 
@@ -237,13 +241,10 @@ class Robot::Implementation {
     mount(time, "color", T_robot_depth * T_depth_color);
     sendInfo("/color", infoOf(scan.cameraParamsIntensity, 0.0), time);
     sendInfo("/depth", infoOf(scan.cameraParams, 0.0), time);
-    cv::Mat depth(scan.rangeImage.rows(), scan.rangeImage.cols(), CV_16UC1);
-    for (int row = 0; row < depth.rows; ++row) {
-      for (int column = 0; column < depth.cols; ++column) {
-        depth.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
-            std::lround(1e3 * scan.rangeUnits * scan.rangeImage(row, column)));
-      }
-    }
+    cv::Mat depth;
+    cv::Mat(static_cast<int>(scan.rangeImage.rows()), static_cast<int>(scan.rangeImage.cols()),
+            CV_16UC1, const_cast<std::uint16_t*>(scan.rangeImage.data()))
+        .convertTo(depth, CV_16U, 1e3 * scan.rangeUnits);
     sendImage("/color", scan.intensityImage.asCvMatRef(), time);
     sendImage("/depth", depth, time);
     if (robot_.on_frame) robot_.on_frame(time, monotonicSeconds());
@@ -303,6 +304,18 @@ class Robot::Implementation {
     write("/scan", message);
   }
 
+  void sendFix(const CObservationGPS& observation, Time time) {
+    mount(time, "gnss", fromMrpt(observation.sensorPose));
+    const auto& position = observation.getMsgByClass<gnss::Message_NMEA_GGA>().fields;
+    sensor_msgs::msg::dds_::NavSatFix_ message;
+    setHeader(time, "gnss", message.header());
+    message.status().status(0);
+    message.latitude(position.latitude_degrees);
+    message.longitude(position.longitude_degrees);
+    message.altitude(position.altitude_meters);
+    write("/fix", message);
+  }
+
   Robot& robot_;
   FastDdsPeer& peer_;
   std::string rawlog_;
@@ -321,8 +334,8 @@ Robot::~Robot() = default;
 
 bool Robot::isWatched() const { return implementation_->isWatched(); }
 
-std::size_t Robot::play(double factor, const std::atomic<bool>& stop) {
-  return implementation_->play(factor, stop);
+std::size_t Robot::play(double factor, const std::atomic<bool>& stop, std::size_t max_frames) {
+  return implementation_->play(factor, stop, max_frames);
 }
 
 const std::map<std::string, std::size_t>& Robot::sent() const { return implementation_->sent; }

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,7 +16,8 @@
 namespace headway::test {
 
 /// Publishes the observations of a rawlog at their rate: /left and /right with camera_info, or
-/// /color and /depth, /imu, /odom, /scan, /tf_static, and /tf odom -> base_link of the wheels.
+/// /color and /depth, /imu, /odom, /scan, /fix, /tf_static, and /tf odom -> base_link of the
+/// wheels.
 class Robot {
  public:
   /// @param is_compressed  sends stereo images as JPEG
@@ -25,8 +27,9 @@ class Robot {
 
   /// Whether somebody subscribes to the images.
   [[nodiscard]] bool isWatched() const;
-  /// Until the end of the rawlog. @return number of frames sent
-  std::size_t play(double factor, const std::atomic<bool>& stop);
+  /// Until the end of the rawlog or the number of frames. @return number of frames sent
+  std::size_t play(double factor, const std::atomic<bool>& stop,
+                   std::size_t max_frames = std::numeric_limits<std::size_t>::max());
   /// Messages sent by topic.
   [[nodiscard]] const std::map<std::string, std::size_t>& sent() const;
   /// Called when a frame's second image is sent, with its time and the monotonic clock's.

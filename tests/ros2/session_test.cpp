@@ -66,7 +66,7 @@ TEST(Ros2SessionTest, TopicsOfARobotBecomeTopicsOfItsSurroundings) {
   std::set<long> sent;
   robot.on_frame = [&](Time time, double) { sent.insert(std::lround(1e4 * time)); };
   std::thread player([&] {
-    (void)robot.play(0.5, stop);
+    (void)robot.play(0.5, stop, 40);
     std::this_thread::sleep_for(std::chrono::seconds(1));
     live.close();
   });

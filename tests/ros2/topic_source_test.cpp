@@ -8,6 +8,8 @@
 #include <headway_test/folders.h>
 #include <headway_test/waiting.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationStereoImages.h>
@@ -91,6 +93,14 @@ class TopicSourceTest : public ::testing::Test {
       scan.max_range_m = 10.0;
       scan.ranges = {1.0F, 2.0F, 3.0F};
       sink.writeLaser(scan);
+      io::RecordedGnss fix;
+      fix.time = time - 0.005;
+      fix.T_robot_antenna.translation() << 0.1, 0.2, 0.3;
+      fix.latitude_deg = 48.5;
+      fix.longitude_deg = -3.25;
+      fix.altitude_m = 50.0;
+      fix.satellites = 9;
+      sink.writeGnss(fix);
       const auto images = io::test::wall(static_cast<int>(i));
       sink.writeStereo(time, images.left, images.right, io::rawFrom(io::test::smallCamera()));
     }
@@ -139,6 +149,13 @@ TEST_F(TopicSourceTest, ARobotsSensorsBecomeObservations) {
   ASSERT_NE(scan, nullptr);
   EXPECT_NEAR(scan->sensorPose.x(), 0.5, 1e-9);
   EXPECT_NEAR(scan->aperture, 2.0, 1e-5);
+  const auto fix = last<mrpt::obs::CObservationGPS>();
+  ASSERT_NE(fix, nullptr);
+  EXPECT_NEAR(fix->sensorPose.y(), 0.2, 1e-9);
+  const auto& position = fix->getMsgByClass<mrpt::obs::gnss::Message_NMEA_GGA>().fields;
+  EXPECT_NEAR(position.latitude_degrees, 48.5, 1e-9);
+  EXPECT_NEAR(position.longitude_degrees, -3.25, 1e-9);
+  EXPECT_NEAR(position.altitude_meters, 50.0, 1e-9);
   // The robot's own odometry, for map -> odom.
   const auto odometry = source_->odometryAt(io::test::frameTime(29) - 0.03);
   ASSERT_TRUE(odometry);
@@ -147,18 +164,67 @@ TEST_F(TopicSourceTest, ARobotsSensorsBecomeObservations) {
   EXPECT_NE(live_.camera(), nullptr);
 }
 
-TEST_F(TopicSourceTest, ARobotThatIsRestartedIsReadAgain) {
+TEST_F(TopicSourceTest, EachPairOfADepthCameraAt30HzArrives) {
+  const cv::Size size(640, 480);
+  constexpr std::size_t kPairs = 60;
+  const auto timeOf = [](std::size_t i) { return 100.0 + static_cast<double>(i) / 30.0; };
+  io::RawDepthCamera camera;
+  for (io::RawCamera* lens : {&camera.color, &camera.depth}) {
+    lens->width = size.width;
+    lens->height = size.height;
+    lens->fx = lens->fy = 500.0;
+    lens->cx = 319.5;
+    lens->cy = 239.5;
+  }
+  camera.T_robot_color.translation() << 0.2, 0.0, 1.0;
+  camera.T_color_depth.translation().x() = 0.05;
+  cv::Mat depth(size, CV_16UC1);
+  cv::randu(depth, 500, 9000);
+  const std::string path = folder_ / "depth.rawlog";
+  io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
+  const cv::Mat picture = io::test::wall(0, 8, size).left;
+  for (std::size_t i = 0; i < kPairs; ++i) sink.writeDepth(timeOf(i), picture, depth, camera);
+  sink.close();
+  test::Robot robot(peer_, path);
+  start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
+  const auto isLast = [&] {
+    const auto scan = last<mrpt::obs::CObservation3DRangeScan>();
+    return scan && std::abs(io::timeFrom(scan->timestamp) - timeOf(kPairs - 1)) < 1e-6;
+  };
+  ASSERT_EQ(robot.play(1.0, go_on_), kPairs);
+  ASSERT_TRUE(waitUntil(isLast)) << source_->missing();
+  // Once more, now that it is calibrated and mounted. A busy machine may lose some.
+  const std::size_t before = count("CObservation3DRangeScan");
+  (void)robot.play(1.0, go_on_);
+  EXPECT_TRUE(waitUntil([&] {
+    return count("CObservation3DRangeScan") > before + 3 * kPairs / 4 && isLast();
+  })) << count("CObservation3DRangeScan") - before;
+  const auto scan = last<mrpt::obs::CObservation3DRangeScan>();
+  ASSERT_EQ(scan->rangeImage.rows(), size.height);
+  EXPECT_EQ(scan->rangeUnits * scan->rangeImage(100, 200),
+            1e-3F * depth.at<std::uint16_t>(100, 200));
+  const Pose T_robot_depth = fromMrpt(scan->sensorPose);
+  EXPECT_NEAR(T_robot_depth.translation().y(), -0.05, 1e-9);  // right of the colour image
+  EXPECT_NEAR(T_robot_depth.translation().z(), 1.0, 1e-9);
+  EXPECT_NEAR(scan->cameraParamsIntensity.fx(), 500.0, 1e-9);
+}
+
+TEST_F(TopicSourceTest, ARobotThatIsRestartedOrSetBackIsReadAgain) {
   const std::string path = rawlog(25);
   start();
-  for (const double shift_s : {0.0, 60.0}) {
+  for (const double shift_s : {0.0, 60.0, -20.0}) {
     FastDdsPeer peer(domain_);
     test::Robot robot(peer, path, true, shift_s);
     ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
-    (void)robot.play(1.0, go_on_);
+    (void)robot.play(2.0, go_on_);
     EXPECT_TRUE(waitUntil([&] {
       const auto pair = last<mrpt::obs::CObservationStereoImages>();
-      return pair && io::timeFrom(pair->timestamp) > io::test::frameTime(22) + shift_s;
+      return pair &&
+             std::abs(io::timeFrom(pair->timestamp) - io::test::frameTime(23) - shift_s) < 0.15;
     })) << shift_s;
+    const Time newest = io::test::frameTime(24) + shift_s - 0.03;
+    EXPECT_TRUE(waitUntil([&] { return source_->odometryAt(newest).has_value(); })) << shift_s;
   }
 }
 
