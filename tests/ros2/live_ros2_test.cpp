@@ -2,9 +2,11 @@
 // headway-live as a node of ROS 2, beside a robot of another implementation of DDS.
 #include <gmock/gmock.h>
 #include <headway/core/mrpt_pose.h>
+#include <headway/io/rawlog_sink.h>
 #include <headway_test/folders.h>
 #include <headway_test/npm_packages.h>
 #include <headway_test/process.h>
+#include <headway_test/textured_world.h>
 #include <headway_test/waiting.h>
 
 #include <atomic>
@@ -352,6 +354,63 @@ TEST_F(LiveRos2Test, ARecordingIsPublishedWithItsClock) {
     return clocks > 5 && audience.count("/tf") > 5 && audience.count("/headway/markers") > 5;
   })) << live.output();
   EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
+}
+
+/// A corridor that looks the same every 10.24 m: in its map, only who is told knows where it is.
+TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
+  constexpr double kRepeat_m = 10.24;  // of the texture
+  test::TexturedWorld corridor(test::smallCamera());
+  const Eigen::Vector3d low(-5.0, -1.5, -1.5), x = Eigen::Vector3d::UnitX();
+  for (const double side : {0.0, 3.0}) {
+    const Eigen::Vector3d y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+    corridor.boards.push_back({low + side * z, x, y, 60.0, 3.0, {side, 1.7}});
+    corridor.boards.push_back({low + side * y, x, z, 60.0, 3.0, {5.3, side}});
+  }
+  const auto record = [&](const std::string& path, double start_m, double step_m, int frames) {
+    io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
+    for (int i = 0; i < frames; ++i) {
+      Pose pose = Pose::Identity();
+      pose.translation().x() = start_m + step_m * i;
+      const auto frame = corridor.frame(static_cast<std::size_t>(i), 0.0, pose);
+      sink.writeStereo(100.0 + 0.1 * i, frame.left, frame.right, io::rawFrom(*corridor.camera()));
+    }
+    sink.close();
+  };
+  record(folder_ / "drive.rawlog", 0.0, 0.15, 110);
+  record(folder_ / "again.rawlog", 0.5, 0.01, 60);
+  const auto mapped = test::runProcess(test::program("headway-replay") + " -q -i " +
+                                       std::string(folder_ / "drive.rawlog") + " -o " +
+                                       std::string(folder_ / "first"));
+  ASSERT_EQ(mapped.status, 0) << mapped.output;
+  test::Robot robot(peer_, folder_ / "again.rawlog");
+  const auto initial = peer_.writer<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(
+      "rt/initialpose");
+  const std::string arguments =
+      "--ros2 --left /left/image --right /right/image --ros2-interface "
+      "lo -w -o " +
+      out() + " --load-map " + std::string(folder_ / "first/map.headway");
+  const auto placeOf = [&](const std::string& option, bool is_message) {
+    std::filesystem::remove_all(out());
+    LiveProgram live(arguments + option, folder_.path().string(), domain_);
+    EXPECT_TRUE(waitUntil([&] { return robot.isWatched() && initial->matched() > 0; }));
+    geometry_msgs::msg::dds_::PoseWithCovarianceStamped_ place;
+    place.pose().pose().position().x(kRepeat_m + 1.0);
+    place.pose().pose().orientation().w(1.0);
+    EXPECT_TRUE(!is_message || initial->write(&place));
+    (void)robot.play(2.0, stop_);
+    EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
+    EXPECT_TRUE(waitUntil([&] { return !robot.isWatched() && initial->matched() == 0; }));
+    std::ifstream rows(out() + "/trajectory_online.tum");
+    double place_m = std::nan("");
+    for (std::string row; std::getline(rows, row);) {
+      Time time = 0.0;
+      std::istringstream(row) >> time >> place_m;
+    }
+    return place_m;
+  };
+  EXPECT_NEAR(placeOf(" --initial-pose 1,0,0", false), 1.0, 0.3);
+  EXPECT_NEAR(placeOf(" --initial-pose 11,0,0", false), kRepeat_m + 1.0, 0.3);
+  EXPECT_NEAR(placeOf("", true), kRepeat_m + 1.0, 0.3);
 }
 
 TEST_F(LiveRos2Test, ListsTopicsAndNamesMistakes) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ratio>
 
 #include "cdr_writer.h"
 
@@ -15,9 +16,9 @@ namespace headway::ros2 {
 namespace {
 
 void writeTime(CdrWriter& out, std::int64_t time_ns) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const std::int64_t rest = (time_ns % kSecond + kSecond) % kSecond;  // of times before 1970, too
-  out.number(static_cast<std::int32_t>((time_ns - rest) / kSecond));
+  const std::int64_t second = std::nano::den;
+  const std::int64_t rest = (time_ns % second + second) % second;  // of times before 1970, too
+  out.number(static_cast<std::int32_t>((time_ns - rest) / second));
   out.number(static_cast<std::uint32_t>(rest));
 }
 
@@ -175,7 +176,7 @@ std::vector<Marker> markersOf(const Track& track) {
 
 MessageHeader headerOf(Time time, const std::string& frame) {
   const double second = std::floor(time);  // a product of the whole time has 128 ns of rounding
-  return {static_cast<std::int64_t>(second) * 1'000'000'000 + std::llround(1e9 * (time - second)),
+  return {static_cast<std::int64_t>(second) * std::nano::den + std::llround(1e9 * (time - second)),
           frame};
 }
 
