@@ -143,7 +143,7 @@ class FastDdsPeer::Implementation {
     builtin.metatrafficUnicastLocatorList.push_back(loopback);
     builtin.initialPeersList.push_back(loopback);
     builtin.discovery_config.leaseDuration = {3, 0};
-    builtin.discovery_config.leaseDuration_announcementperiod = {1, 0};
+    builtin.discovery_config.leaseDuration_announcementperiod = {0, 200'000'000};
     participant_ = required(
         DomainParticipantFactory::get_instance()->create_participant(domain, qos), "participant");
     publisher_ = required(participant_->create_publisher(PUBLISHER_QOS_DEFAULT), "publisher");

@@ -298,6 +298,14 @@ TEST_F(NodeTest, ASubscriberThatDoesNotReadBlocksNobody) {
   blocks = false;
 }
 
+TEST_F(NodeTest, TheFirstLineNamesTheCommandThatRaisesALowLimitOfSockets) {
+  long limit = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> limit;
+  const bool is_low = limit < 1 << 24;
+  const auto command = node_->network().find("sudo sysctl -w net.core.rmem_max=");
+  EXPECT_EQ(command != std::string::npos, is_low) << limit << ": " << node_->network();
+}
+
 TEST(NodeOptionsTest, WrongDomainsAndInterfacesAreInputErrors) {
   setenv("ROS_DOMAIN_ID", "233", 1);
   EXPECT_ANY_THROW(Node(NodeOptions{}));

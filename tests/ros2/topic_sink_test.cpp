@@ -171,6 +171,37 @@ TEST_F(TopicSinkTest, WithoutAPlaceInTheMapThereIsNoTransformToIt) {
   EXPECT_TRUE(waitUntil([&] { return edges().count("map>odom") == 1; }));
 }
 
+TEST_F(TopicSinkTest, RatesAndSwitchesAreThoseOfTheParameters) {
+  Ros2SinkParams params;
+  params.map_odom = false;
+  params.odom_base = true;
+  params.tracks_hz = 2.0;
+  params.markers_hz = 0.0;
+  std::atomic<int> tracks{0}, markers{0};
+  const auto detections = peer_.reader<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(
+      "rt/headway/detections", {}, [&](const auto&) { ++tracks; });
+  const auto boxes = peer_.reader<visualization_msgs::msg::dds_::MarkerArray_PubSubType>(
+      "rt/headway/markers", {}, [&](const auto&) { ++markers; });
+  start(params);
+  Time time = 100.0;
+  ASSERT_TRUE(waitUntil([&] {  // until the writers know these readers, too
+    addFrame(time += 1.0, planar(0.0), planar(0.0));
+    return tracks > 0 && boxes->matched() > 0;
+  }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // what is under way
+  tracks = 0;
+  for (int i = 1; i <= 50; ++i) {  // 5 s at 10 Hz
+    addFrame(time + 0.1 * i, planar(0.0), planar(0.0));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_TRUE(waitUntil([&] { return tracks >= 5; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_LE(tracks, 10);
+  EXPECT_EQ(markers, 0);
+  EXPECT_EQ(edges().count("map>odom"), 0U);
+  EXPECT_EQ(edges().count("odom>base_link"), 1U);
+}
+
 TEST_F(TopicSinkTest, NothingIsMadeForTopicsWithoutSubscribers) {
   std::atomic<int> asked{0};
   TopicSink::Hooks hooks;

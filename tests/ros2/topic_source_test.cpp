@@ -298,6 +298,14 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   picture.step(64);
   picture.data().resize(64UL * 48UL);
   image->write(&picture);
+  picture.width(160);
+  picture.height(120);
+  picture.step(160);
+  picture.data().resize(160UL * 120UL);
+  for (int second = 900; second < 909; ++second) {  // without images of the left camera
+    picture.header().stamp().sec(second);
+    image->write(&picture);
+  }
   picture.encoding("16SC3");
   image->write(&picture);
   picture.encoding("mono8");
@@ -308,8 +316,9 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   rays.angle_increment(std::numeric_limits<float>::infinity());
   rays.ranges().resize(3);
   scan->write(&rays);
-  const std::vector<std::string> reasons = {"imu_not_finite", "image_size", "image_encoding_16SC3",
-                                            "broken_image", "broken_scan"};
+  const std::vector<std::string> reasons = {"imu_not_finite", "image_size",
+                                            "unpaired_image", "image_encoding_16SC3",
+                                            "broken_image",   "broken_scan"};
   for (const auto& reason : reasons) {
     EXPECT_TRUE(waitUntil([&] { return source_->skipped().count(reason) > 0; })) << reason;
   }
