@@ -19,10 +19,15 @@ recorded() {
 }
 recorded stereo -c config/worlds/hall.ini --rig robot --seed 61 --set camera.imu=true --set camera.odometry=true
 recorded rgbd -c config/worlds/hall.ini --rig rgbd --seed 61 --set camera.imu=true --set camera.odometry=true
+recorded raw -c config/worlds/hall.ini --seed 61  # 1280x720 at 15 Hz
 
 echo "== transport"
-$bench "$out/stereo.rawlog" "-$ROS_DOMAIN_ID" 1 1
-$bench "$out/stereo.rawlog" "-$ROS_DOMAIN_ID" 1 1 compressed
+for rig in stereo rgbd raw; do
+  $bench "$out/$rig.rawlog" "-$ROS_DOMAIN_ID" 1 1
+done
+for rig in stereo raw; do
+  $bench "$out/$rig.rawlog" "-$ROS_DOMAIN_ID" 1 1 compressed
+done
 
 # live NAME LOOPS: headway-live beside the robot; its memory at the start and at the end
 live() {

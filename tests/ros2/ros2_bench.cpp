@@ -80,11 +80,15 @@ int main(int argc, char** argv) {
     std::printf("%s\n", node->network().c_str());
     const std::string suffix = is_compressed ? "/compressed" : "";
     const std::string type = is_compressed ? "sensor_msgs/CompressedImage" : "sensor_msgs/Image";
-    node->subscribe("/left/image" + suffix, type, {}, [](std::string_view) {});
-    node->subscribe("/right/image" + suffix, type, {}, [&](std::string_view message) {
+    const auto time = [&](std::string_view message) {
       const auto header = bags::decodeHeader(message, bags::Encoding::kCdr);
       transport.received(1e-9 * static_cast<double>(header.time_ns));
-    });
+    };
+    const auto leave = [](std::string_view) {};
+    node->subscribe("/left/image" + suffix, type, {}, leave);
+    node->subscribe("/right/image" + suffix, type, {}, time);
+    node->subscribe("/color/image", type, {}, leave);
+    node->subscribe("/depth/image", type, {}, time);
     listener = std::thread([&] {
       while (!stop) node->spin(0.05);
     });
