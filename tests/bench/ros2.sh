@@ -15,7 +15,8 @@ mkdir -p "$out"
 recorded() {
   local rawlog=$out/$1.rawlog
   shift
-  [ -f "$rawlog" ] || $bin/headway-sim -q --frames "${FRAMES:-300}" -o "$rawlog" "$@"
+  [ -f "$rawlog" ] || $bin/headway-sim -q --frames "${FRAMES:-300}" -o "$rawlog" \
+    --set recording.storage=embedded "$@"
 }
 recorded stereo -c config/worlds/hall.ini --rig robot --seed 61 --set camera.imu=true --set camera.odometry=true
 recorded rgbd -c config/worlds/hall.ini --rig rgbd --seed 61 --set camera.imu=true --set camera.odometry=true
