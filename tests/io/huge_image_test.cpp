@@ -49,7 +49,33 @@ TEST_F(HugeImageTest, IsBrokenInEachFormat) {
   EXPECT_TRUE(decodeImage(std::string("II*\0\x08\0\0\0", 8)).empty());
 }
 
-// OpenCV releases the pixels that it could not decode but keeps their type, which has transparency here.
+TEST_F(HugeImageTest, PngsAreDecodedWithoutLossAndBrokenOnesWithoutAWord) {
+  cv::RNG random(3);
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1}) {
+    cv::Mat pixels(20, 30, type);
+    random.fill(pixels, cv::RNG::UNIFORM, 0, type == CV_16UC1 ? 65536 : 256);
+    std::vector<unsigned char> bytes;
+    cv::imencode(".png", pixels, bytes);
+    std::string text(bytes.begin(), bytes.end());
+    const auto decoded = [&] {
+      return type == CV_16UC1 ? decodeDepthImage(text) : decodeImage(text);
+    };
+    ASSERT_EQ(type, decoded().type());
+    EXPECT_EQ(0.0, cv::norm(pixels, decoded(), cv::NORM_INF));
+    testing::internal::CaptureStderr();
+    int broken = 0;
+    for (char& byte : text) {
+      byte = static_cast<char>(byte ^ 0x55);
+      broken += decoded().empty() ? 1 : 0;
+      byte = static_cast<char>(byte ^ 0x55);
+    }
+    EXPECT_EQ("", testing::internal::GetCapturedStderr()) << "by libpng";
+    EXPECT_GT(broken, static_cast<int>(text.size()) / 2);
+  }
+}
+
+// OpenCV releases the pixels that it could not decode but keeps their type, which has transparency
+// here.
 TEST_F(HugeImageTest, IsWholeOrEmptyWhateverByteOfTransparentPixelsIsBroken) {
   for (const char* ending : {".png", ".tif"}) {
     std::vector<unsigned char> whole;

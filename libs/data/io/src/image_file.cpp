@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Decoding of images within limits. Sizes are read from headers here, because OpenCV allocates
-// before it checks.
+// before it checks, and lets libjpeg and libpng print.
 #include <headway/io/image_file.h>
 
 #include <cctype>
 #include <csetjmp>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -15,6 +16,7 @@
 
 // After cstdio, on which it depends.
 #include <jpeglib.h>
+#include <png.h>
 
 namespace headway::io {
 namespace {
@@ -82,9 +84,54 @@ cv::Mat decodeJpeg(std::string_view bytes) {
   return is_whole ? pixels : cv::Mat();
 }
 
+void readPngBytes(png_structp png, png_bytep to, png_size_t size) {
+  auto& rest = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (size > rest.size()) png_error(png, "cut off");
+  std::memcpy(to, rest.data(), size);
+  rest.remove_prefix(size);
+}
+
+/// libpng's error handlers: errors end the decoding, and nothing is printed.
+void onPngError(png_structp png, png_const_charp /*text*/) { png_longjmp(png, 1); }
+void onPngWarning(png_structp /*png*/, png_const_charp /*text*/) {}
+
+/// As decodeJpegTo(): grey or BGR, of 8 or 16 bits, without transparency.
+bool decodePngTo(cv::Mat& pixels, std::vector<png_bytep>& rows, png_structp png, png_infop info) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_read_info(png, info);
+  png_set_expand(png);  // palettes, and grey of fewer bits
+  png_set_strip_alpha(png);
+  png_set_bgr(png);
+  png_set_swap(png);  // the bytes of 16 bits
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  const int depth = png_get_bit_depth(png, info) == 16 ? CV_16U : CV_8U;
+  pixels.create(static_cast<int>(png_get_image_height(png, info)),
+                static_cast<int>(png_get_image_width(png, info)),
+                CV_MAKETYPE(depth, png_get_channels(png, info)));
+  for (int y = 0; y < pixels.rows; ++y) rows.push_back(pixels.ptr(y));
+  png_read_image(png, rows.data());
+  png_read_end(png, nullptr);
+  return true;
+}
+
+cv::Mat decodePng(std::string_view bytes) {
+  png_structp png =
+      png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, onPngError, onPngWarning);
+  png_infop info = png_create_info_struct(png);
+  png_set_read_fn(png, &bytes, readPngBytes);
+  cv::Mat pixels;
+  std::vector<png_bytep> rows;
+  const bool is_whole = decodePngTo(pixels, rows, png, info);
+  png_destroy_read_struct(&png, &info, nullptr);
+  return is_whole ? pixels : cv::Mat();
+}
+
 bool beginsWith(std::string_view bytes, std::string_view start) {
   return bytes.substr(0, start.size()) == start;
 }
+
+bool isPng(std::string_view bytes) { return beginsWith(bytes, "\x89PNG\r\n\x1a\n"); }
 
 /// An unsigned number of `size` bytes; 0 beyond the end.
 std::uint64_t numberAt(std::string_view bytes, std::size_t at, std::size_t size, bool big_endian) {
@@ -141,7 +188,7 @@ ImageSize tiffSize(std::string_view bytes) {
 
 /// Size in the header of an image; 0 x 0 for other formats.
 ImageSize headerSize(std::string_view bytes) {
-  if (beginsWith(bytes, "\x89PNG\r\n\x1a\n")) {
+  if (isPng(bytes)) {
     return {numberAt(bytes, 16, 4, true), numberAt(bytes, 20, 4, true)};
   }
   if (beginsWith(bytes, "BM")) {
@@ -159,10 +206,11 @@ ImageSize headerSize(std::string_view bytes) {
   return {};
 }
 
-/// As OpenCV decodes it; empty if it is broken or its header states a size beyond the limits.
+/// Any format but JPEG; empty if it is broken or its header states a size beyond the limits.
 cv::Mat decodedWithinLimits(std::string_view bytes) {
   const ImageSize size = headerSize(bytes);
   if (!isWithinLimits(size.width, size.height)) return {};
+  if (isPng(bytes)) return decodePng(bytes);
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
                           const_cast<char*>(bytes.data()));
@@ -198,7 +246,7 @@ std::string imageBytesOf(const std::string& path) {
 }  // namespace
 
 cv::Mat decodeDepthImage(std::string_view bytes) {
-  if (!beginsWith(bytes, "\x89PNG\r\n\x1a\n")) return {};
+  if (!isPng(bytes)) return {};
   const cv::Mat image = decodedWithinLimits(bytes);
   return image.type() == CV_16UC1 ? image : cv::Mat();
 }
