@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-eval tracks, movers, people and predictions: objects of a replay against the truth.
 #include <headway/core/error.h>
+#include <headway/core/text.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/eval/moving_object_error.h>
@@ -102,7 +103,7 @@ void report(const TrackEvaluation& results) {
   }
   if (!results.truth_alone.empty()) {
     std::cout << results.truth_alone.size() << " label files have no estimate and were ignored:";
-    for (const auto& name : results.truth_alone) std::cout << " " << name;
+    for (const auto& name : results.truth_alone) std::cout << " " << printable(name);
     std::cout << "\n";
   }
   for (const auto& [reason, count] : results.dropped) {

@@ -2,6 +2,7 @@
 // Object tracking on the recordings of the suite, and the tables of all errors.
 #include "suite_report.h"
 
+#include <headway/core/text.h>
 #include <headway/eval/figures.h>
 #include <headway/eval/labelled_frames.h>
 #include <headway/eval/prediction_error.h>
@@ -362,7 +363,7 @@ void writeSuite(std::ostream& out, const std::vector<SuiteEntry>& entries) {
   plot::writeTable(out, predictionTable(entries, &ObjectErrors::on_truth));
   for (const auto& entry : entries) {
     if (!entry.is_group || !entry.objects || entry.objects->on_truth.empty()) continue;
-    out << "\nPredictors, " << entry.name << "\n\n";
+    out << "\nPredictors, " << printable(entry.name) << "\n\n";
     plot::writeTable(out, predictorTable(*entry.objects));
   }
   out << "\nPositions of objects: detections and headway's tracks\n\n";

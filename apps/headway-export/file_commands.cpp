@@ -84,7 +84,7 @@ constexpr char kNoReplay[] = "is the folder that of a finished replay?";
 void write(const ExportOptions& options, std::string_view bytes, const std::string& what) {
   program::requireWritable(options.output, options.overwrite);
   writeFile(options.output, bytes);
-  if (!options.quiet) std::cout << options.output << ": " << what << std::endl;
+  if (!options.quiet) std::cout << printable(options.output + ": " + what) << std::endl;
 }
 
 /// A FeatureCollection's features. @throws InputError if the file is none

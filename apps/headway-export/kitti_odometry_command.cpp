@@ -113,7 +113,7 @@ std::vector<Pose> truthAt(const std::vector<Time>& times, const std::string& raw
 
 void report(const ExportOptions& options, const KittiWriter& writer, const io::RawlogSource& source,
             bool has_truth) {
-  std::cout << options.output << ": " << writer.size() << " frames, "
+  std::cout << printable(options.output) << ": " << writer.size() << " frames, "
             << (has_truth ? "with" : "without") << " poses.txt"
             << (program::interrupted() ? ", interrupted" : "");
   for (const auto& [reason, count] : source.skipped()) {

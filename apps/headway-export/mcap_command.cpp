@@ -6,6 +6,7 @@
 #include <headway/core/error.h>
 #include <headway/core/object_class.h>
 #include <headway/core/stereo_camera.h>
+#include <headway/core/text.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/image_file.h>
 #include <headway/program/files.h>
@@ -409,7 +410,7 @@ int runMcapExport(int argc, const char** argv) {
   program::requireWritable(options.output, options.overwrite);
   const fs::path folder(options.input);
   const auto note = [&](const std::string& text) {
-    if (!options.quiet) std::cerr << "headway-export: " << text << '\n';
+    if (!options.quiet) std::cerr << "headway-export: " << printable(text) << '\n';
   };
   report::ReplayFrameOptions reading;
   reading.past_s = 0.0;
@@ -437,7 +438,8 @@ int runMcapExport(int argc, const char** argv) {
   }
   progress.finish();
   mcap.finish();
-  if (!options.quiet) std::cout << options.output << ": " << done << " frames" << std::endl;
+  if (!options.quiet)
+    std::cout << printable(options.output) << ": " << done << " frames" << std::endl;
   return program::kDone;
 }
 

@@ -371,7 +371,7 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
 }
 
 void report(const ImportOptions& options, const ImportSummary& summary) {
-  std::cout << options.output << ": " << summary.frames << " frames"
+  std::cout << printable(options.output) << ": " << summary.frames << " frames"
             << (summary.interrupted ? ", interrupted" : "");
   for (const auto& [reason, count] : summary.dropped) {
     std::cout << ", skipped " << printable(reason) << " " << count;
@@ -391,7 +391,7 @@ int runDataset(const std::string& dataset_name, const std::string& about, int ar
                            {options->detections, options->poses, options->calibration});
   const auto dataset = openDataset(*options);
   for (const auto& [name, warning] : dataset->warnings()) {
-    std::cerr << "headway-import: warning: " << name << ": " << warning.text << std::endl;
+    std::cerr << "headway-import: warning: " << printable(name + ": " + warning.text) << std::endl;
   }
   program::catchInterrupts();
   const auto summary = importDataset(*dataset, *options);

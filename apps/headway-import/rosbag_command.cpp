@@ -98,9 +98,9 @@ int listTopics(const RosbagOptions& options) {
 void reportImport(const RosbagOptions& options, const bags::BagImportSummary& summary) {
   for (const auto& note : summary.notes) std::cout << "note: " << printable(note) << "\n";
   if (summary.truncation) {
-    std::cout << "note: " << options.bag << " " << printable(*summary.truncation) << "\n";
+    std::cout << "note: " << printable(options.bag + " " + *summary.truncation) << "\n";
   }
-  std::cout << options.output << ": " << summary.frames << " frames";
+  std::cout << printable(options.output) << ": " << summary.frames << " frames";
   for (const auto& [kind, count] : summary.written) std::cout << ", " << count << " " << kind;
   if (summary.was_stopped) std::cout << ", interrupted";
   for (const auto& [reason, count] : summary.dropped) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-live: the cameras and sensors of a robot to trajectory, tracks, predictions and map.
 #include <headway/core/error.h>
+#include <headway/core/text.h>
 #include <headway/core/worker_thread.h>
 #include <headway/drivers/observation_recorder.h>
 #include <headway/drivers/sensor_group.h>
@@ -177,7 +178,9 @@ mrpt::config::CConfigFile readSensors(const std::string& path) {
   return mrpt::config::CConfigFile(path);
 }
 
-void warn(const std::string& text) { std::cerr << "headway-live: " << text << std::endl; }
+void warn(const std::string& text) {
+  std::cerr << "headway-live: " << printable(text) << std::endl;
+}
 
 std::unique_ptr<drivers::SensorGroup> makeSensors(
     const std::string& path, drivers::SensorGroup::ObservationCallback deliver) {
@@ -303,7 +306,7 @@ void StatusLine::run() {
     if (Clock::now() >= due) {
       due += std::chrono::seconds(1);
       const std::string line = text();
-      if (!quiet_) std::puts(line.c_str());
+      if (!quiet_) std::puts(printable(line).c_str());
       std::fflush(stdout);
       const bool is_waiting = line.rfind(kWaiting, 0) == 0 && line != kWaiting;
       if (quiet_ && is_waiting && !std::exchange(is_said, true)) warn(line);

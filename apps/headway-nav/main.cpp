@@ -2,6 +2,7 @@
 // headway-nav: trials of a robot among people, driven by each policy of obstacles.
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
+#include <headway/core/text.h>
 #include <headway/program/command_line.h>
 #include <headway/program/files.h>
 #include <headway/program/picture_files.h>
@@ -168,7 +169,7 @@ void report(const Options& options, const std::vector<PolicyTrials>& policies,
   const auto figures = figuresOf(policies);
   if (!options.quiet) {
     print(std::cout, figures);
-    for (const auto& file : written) std::cout << "wrote " << file << '\n';
+    for (const auto& file : written) std::cout << "wrote " << printable(file) << '\n';
   }
   if (!options.json.empty()) writeFile(options.json, toJson(figures).dump(2) + "\n");
 }
@@ -236,7 +237,7 @@ void writeWorst(const Options& options, const Runners& runners, const RobotParam
     program::writePicture(path, drawWhole(records, robot));
   }
   if (!options.quiet) {
-    std::cout << "wrote " << path << ": the worst trial, seed " << seed << '\n';
+    std::cout << "wrote " << printable(path) << ": the worst trial, seed " << seed << '\n';
   }
 }
 

@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
 #include <headway/core/stereo_camera.h>
+#include <headway/core/text.h>
 #include <headway/io/calibration_file.h>
 #include <headway/map/map_file.h>
 #include <headway/map/perception_map.h>
@@ -352,7 +353,7 @@ void writePage(const Options& options, const FinishedReplay& replay, const Note&
 void render(const Options& options) {
   program::requireWritable(options.output, options.overwrite, {options.input});
   const Note note = [&](const std::string& text) {
-    if (!options.quiet) std::cerr << "headway-render: " << text << '\n';
+    if (!options.quiet) std::cerr << "headway-render: " << printable(text) << '\n';
   };
   if (options.kind == OutputKind::kReport) {
     program::writeTruthReport(options.input, options.truth, options.output, "", note);

@@ -118,7 +118,7 @@ Recordings::Recordings(const Options& options, const pipeline::PerceptionParams&
     own.input = options.inputs[i];
     own.output = (folder_.path() / names_[i]).string();
     own.published = (folder_.published() / names_[i]).string();
-    if (!options.quiet) std::printf("%s: %s\n", names_[i].c_str(), printable(own.input).c_str());
+    if (!options.quiet) std::printf("%s\n", printable(names_[i] + ": " + own.input).c_str());
     recordings_.push_back({own.input,
                            names_[i],
                            std::make_unique<Replay>(own, perception_params, params),
@@ -143,7 +143,7 @@ void Recordings::run() {
 
 void Recordings::processAll() {
   for (Recording& recording : recordings_) {
-    if (!options_.quiet) std::printf("%s:\n", recording.name.c_str());
+    if (!options_.quiet) std::printf("%s:\n", printable(recording.name).c_str());
     recording.replay->process();  // after an interrupt, of no frame
   }
 }
@@ -277,7 +277,7 @@ std::string Recordings::namesOf(const MapOfRecordings& map) const {
 
 void Recordings::report() const {
   for (const Recording& recording : recordings_) {
-    std::printf("\n%s:\n", recording.name.c_str());
+    std::printf("\n%s:\n", printable(recording.name).c_str());
     printSummary(recording.replay->summary());
   }
   std::printf("\n");
@@ -286,7 +286,8 @@ void Recordings::report() const {
     std::printf(
         "map of %s: %zu keyframes, %zu landmarks, %zu keyframes recognised in the map of "
         "another recording: %s\n",
-        namesOf(map).c_str(), map.keyframes, map.landmarks, map.links, folder.c_str());
+        printable(namesOf(map)).c_str(), map.keyframes, map.landmarks, map.links,
+        printable(folder.string()).c_str());
   }
 }
 

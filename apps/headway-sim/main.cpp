@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-sim: simulates a world into a stereo rawlog with truth.
 #include <headway/core/error.h>
+#include <headway/core/text.h>
 #include <headway/program/command_line.h>
 #include <headway/program/files.h>
 #include <headway/program/progress.h>
@@ -136,8 +137,8 @@ int simulate(int argc, const char* const* argv) {
   CoveredRatio covered;
   const std::size_t done = record(simulator, settings, request, program::textOf(params), covered);
   if (!request.quiet) {
-    std::cout << request.output << ": " << done << " frames; truth in "
-              << sim::truthFolder(request.output) << "\n"
+    std::cout << printable(request.output) << ": " << done << " frames; truth in "
+              << printable(sim::truthFolder(request.output)) << "\n"
               << covered << std::endl;
   }
   const auto requested = static_cast<std::size_t>(settings.recording.frames);

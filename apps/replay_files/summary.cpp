@@ -241,7 +241,7 @@ void printSummary(const Summary& summary) {
       "after %.2f s\n",
       summary.frame_ms.percentile(0.5), summary.frame_ms.percentile(0.95),
       perFrame(summary.cpu_ms, summary.frame_ms.count()), peakMemoryMb(), summary.start_up_s);
-  if (!summary.rectification.empty()) std::puts(summary.rectification.c_str());
+  if (!summary.rectification.empty()) std::puts(printable(summary.rectification).c_str());
   if (summary.geo && summary.geo->reference) std::puts(describe(*summary.geo).c_str());
   if (!summary.laser.empty()) {
     std::printf("laser: %s\n", countsText(summary.laser).c_str());

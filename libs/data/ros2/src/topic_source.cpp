@@ -4,6 +4,7 @@
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/recorded_frame.h>
+#include <headway/core/text.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/io/rawlog_sink.h>
 #include <headway/ros2/topic_source.h>
@@ -554,13 +555,13 @@ std::string listOfTopics(Node& node, const Ros2SourceParams& params) {
   for (const PublishedTopic& topic : published) {
     const std::string use =
         bags::useOf({topic.name, topic.type, bags::Encoding::kCdr, 1}, selection);
-    text << topic.name << "  " << topic.type << "  " << topic.publishers << " publisher"
+    text << printable(topic.name + "  " + topic.type) << "  " << topic.publishers << " publisher"
          << (topic.publishers == 1 ? "" : "s")
          << (topic.is_reliable ? ", reliable" : ", best effort")
          << (use.empty() ? "" : "  <- " + use) << "\n";
   }
   if (published.empty()) text << "no topics on " << node.network() << "\n";
-  if (!problem.empty() && !published.empty()) text << problem << "\n";
+  if (!problem.empty() && !published.empty()) text << printable(problem) << "\n";
   return text.str();
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tables as text.
+#include <headway/core/text.h>
 #include <headway/plot/text_table.h>
 
 #include <algorithm>
@@ -22,7 +23,8 @@ std::vector<std::size_t> columnWidths(const TextTable& table) {
   std::vector<std::size_t> widths;
   for (const auto& row : table) {
     widths.resize(std::max(widths.size(), row.size()), 3);
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], widthOf(row[i]));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      widths[i] = std::max(widths[i], widthOf(printable(row[i])));
   }
   return widths;
 }
@@ -30,7 +32,7 @@ std::vector<std::size_t> columnWidths(const TextTable& table) {
 void writeRow(std::ostream& out, const std::vector<std::string>& row,
               const std::vector<std::size_t>& widths) {
   for (std::size_t i = 0; i < widths.size(); ++i) {
-    const std::string cell = i < row.size() ? row[i] : "—";
+    const std::string cell = i < row.size() ? printable(row[i]) : "—";
     const std::string blank(widths[i] - widthOf(cell), ' ');
     out << "| " << (i == 0 ? cell + blank : blank + cell) << " ";
   }
