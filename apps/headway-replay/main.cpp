@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-replay: stereo rawlog to trajectory, tracks, predictions, map and pictures.
 #include <headway/core/error.h>
+#include <headway/core/text.h>
+#include <headway/io/track_file.h>
+#include <headway/io/trajectory_file.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/program/command_line.h>
 #include <headway/program/progress.h>
@@ -74,6 +77,17 @@ void checkSeveral(const Options& options) {
   }
 }
 
+/// Reads what the pages compare, so that an error is found before hours of work.
+void checkTruth(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_regular_file(folder / "trajectory.tum")) {
+    throw InputError(folder.string() + ": --truth requires a folder with trajectory.tum");
+  }
+  (void)io::readTum(folder / "trajectory.tum");
+  if (std::filesystem::exists(folder / "objects.csv")) {
+    (void)io::readTrackCsv(folder / "objects.csv");
+  }
+}
+
 /// @throws UsageError if options are missing, invalid or contradict each other
 void check(const Options& options) {
   if (!options.check_model.empty() || !options.get_model.empty()) {
@@ -93,10 +107,7 @@ void check(const Options& options) {
       throw UsageError("--detections has no effect with --detector " + options.detector);
     }
   }
-  if (!options.truth.empty() &&
-      !std::filesystem::is_regular_file(std::filesystem::path(options.truth) / "trajectory.tum")) {
-    throw InputError(options.truth + ": --truth requires a folder with trajectory.tum");
-  }
+  if (!options.truth.empty()) checkTruth(options.truth);
   if (!(options.realtime >= 0.0)) throw UsageError("--realtime must not be negative");
   if (!options.theme.empty() && !scene::themeFrom(options.theme)) {
     throw UsageError("--theme: '" + options.theme + "' is neither dark nor light");
@@ -112,8 +123,9 @@ void replayOne(const Options& options, const pipeline::PerceptionParams& percept
   replay.run();
   if (options.quiet) return;
   replay::printSummary(replay.summary());
-  for (const auto& picture : replay.pictures()) std::printf("picture: %s\n", picture.c_str());
-  std::printf("report: %s/report.html\n", options.output.c_str());
+  for (const auto& picture : replay.pictures())
+    std::printf("picture: %s\n", printable(picture.string()).c_str());
+  std::printf("report: %s/report.html\n", printable(options.output).c_str());
 }
 
 int runReplay(int argc, char** argv) {

@@ -300,8 +300,13 @@ void Replay::collectWarnings(std::size_t frame, const run::SourceReport& source)
 
 void Replay::requireTrackedFrames() const {
   const std::string name = source_->name();
-  if (summary_.frames > 1 && !has_advanced_) {
-    throw InputError(name + ": the times of all " + std::to_string(summary_.frames) +
+  const auto& skipped = summary_.observations_skipped;  // of which the reader drops all but one
+  const auto back = skipped.find("time_backwards");
+  const std::size_t frames = summary_.frames + (back != skipped.end() ? back->second : 0);
+  const bool is_one_asked_for =
+      options_.to_index && *options_.to_index == options_.from_index.value_or(0);
+  if (frames > 1 && !has_advanced_ && !is_one_asked_for) {
+    throw InputError(name + ": the times of all " + std::to_string(frames) +
                      " frames are equal or go back; check the clock of their recorder");
   }
   if (summary_.frames_tracked > 0 || (program::interrupted() && !folder_.hasOldResults())) return;
@@ -319,7 +324,7 @@ void Replay::requireTrackedFrames() const {
 
 void Replay::log(LogLevel level, const std::string& text) const {
   if (level == LogLevel::kInfo ? !options_.quiet : level == LogLevel::kDebug && options_.debug) {
-    std::puts(text.c_str());
+    std::puts(printable(text).c_str());
   }
 }
 
@@ -491,15 +496,18 @@ void Replay::writeMap() {
 void Replay::writePages() {
   const auto note = [this](const std::string& text) { warn(text); };
   const std::string title = std::filesystem::weakly_canonical(published()).filename().string();
-  program::writeTruthReport(folder_.path(), options_.truth, {}, title, note);
-  if (summary_.frames_tracked == 0) return;  // no trajectory to show
+  const auto report = [&] {
+    program::writeTruthReport(folder_.path(), options_.truth, {}, title, note);
+  };
+  if (summary_.frames_tracked == 0) return report();  // no trajectory to show
   report::ReplayPageOptions page;
   page.truth = options_.truth;
   page.images = images_.jpegs();
   for (const auto& keyframe : perception_->map().staticMap()->keyframes) {
     page.keyframes.push_back({keyframe.time, keyframe.T_map_robot});
   }
-  report::writeReplayPage(folder_.path(), page, note);
+  report::writeReplayPage(folder_.path(), page, note);  // an error, if the truth is of another run
+  report();
 }
 
 void Replay::warnIfNotRelocalised() const {

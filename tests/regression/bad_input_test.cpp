@@ -85,6 +85,48 @@ TEST_F(BadInputTest, AnEmptyResultDoesNotReplaceAGoodOne) {
   EXPECT_EQ(before, test::contentsOf(folder / "out/trajectory.tum"));
 }
 
+TEST_F(BadInputTest, TimesThatNeverAdvanceAreAnErrorThatReplacesNothing) {
+  writeWithCamera(io::rawFrom(test::plainCamera()));
+  ASSERT_EQ(0, replayIt().process.status);
+  const std::string before = test::contentsOf(folder / "out/trajectory.tum");
+  for (const double step_s : {0.0, -0.1}) {
+    io::RawlogSink sink(rawlog, io::ImageStorage::kEmbedded);
+    for (int frame = 0; frame < test::kPlainFrames; ++frame) {
+      const auto pair = test::plainPair(frame);
+      sink.writeStereo(1000.0 + step_s * frame, pair.left, pair.right,
+                       io::rawFrom(test::plainCamera()));
+    }
+    sink.close();
+    EXPECT_THAT(errorLine(replayIt("-w")), HasSubstr("of all 12 frames are equal or go back"));
+    EXPECT_EQ(before, test::contentsOf(folder / "out/trajectory.tum"));
+  }
+}
+
+TEST_F(BadInputTest, AWrongTruthIsOneError) {
+  test::writePlainRawlog(rawlog);
+  const auto truth = folder / "truth";
+  std::filesystem::create_directories(truth);
+  const auto lineWith = [&](const std::string& trajectory) {
+    std::ofstream(truth / "trajectory.tum") << trajectory;
+    return errorLine(replayIt("-w --truth " + truth.string()));
+  };
+  EXPECT_THAT(lineWith("1000.0 0 0 zero\n"), HasSubstr("trajectory.tum"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out")) << "it is found before the run";
+  EXPECT_THAT(lineWith("7.0 0 0 0 0 0 0 1\n"), HasSubstr("it may belong to another rawlog"));
+}
+
+TEST_F(BadInputTest, NoNameReachesTheTerminalWithAnEscapeSequence) {
+  test::writePlainRawlog(rawlog);
+  const auto run = test::replay(rawlog,
+                                folder /
+                                    "out\xC2\x9B"
+                                    "2J",
+                                "--snapshots 1");
+  EXPECT_EQ(0, run.process.status);
+  EXPECT_THAT(run.process.output, HasSubstr("out?2J/report.html"));
+  EXPECT_THAT(run.process.output, ::testing::Not(HasSubstr("\xC2\x9B")));
+}
+
 TEST_F(BadInputTest, MissingRawlog) { EXPECT_THAT(errorLine(replayIt()), HasSubstr("in.rawlog")); }
 
 TEST_F(BadInputTest, TruncatedRawlogKeepsTheFramesBefore) {

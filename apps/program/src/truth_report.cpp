@@ -4,6 +4,8 @@
 #include <headway/io/trajectory_file.h>
 #include <headway/program/truth_report.h>
 #include <headway/report/report.h>
+
+#include <utility>
 #ifdef HEADWAY_WITH_EVAL
 #include <headway/eval/grid_error.h>
 #include <headway/eval/people_error.h>
@@ -97,12 +99,15 @@ void writeTruthReport(const std::filesystem::path& replay, const std::filesystem
   page.title = title;
   page.truth = truth;
   if (!truth.empty()) {
+    std::string noted;  // several read the same files
     const auto add = [&](bool has_truth, auto figures) {
       try {
         if (!has_truth) return;
         for (auto& figure : figures(replay, truth)) page.errors.push_back(std::move(figure));
       } catch (const InputError& error) {
-        note(std::string("no errors computed: ") + error.what());
+        if (std::exchange(noted, error.what()) != error.what()) {
+          note("no errors computed: " + noted);
+        }
       }
     };
     add(true, errorsOf);
