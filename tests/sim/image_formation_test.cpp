@@ -33,6 +33,19 @@ double deviationOf(const cv::Mat& picture) {
   return deviation[0];
 }
 
+TEST(ImageFormationTest, GammaBendsTheTonesBetweenBlackAndWhite) {
+  CameraParams params = perfectCamera();
+  for (const double gamma : {0.5, 2.0}) {
+    params.gamma = gamma;
+    const auto toneOf = [&](int grey) {
+      return exposed(params, evenGrey(grey), 0, Side::kLeft).at<cv::Vec3b>(0, 0)[0];
+    };
+    EXPECT_EQ(0, toneOf(0));
+    EXPECT_EQ(255, toneOf(255));
+    EXPECT_NEAR(255.0 * std::pow(90.0 / 255.0, gamma), toneOf(90), 0.51);
+  }
+}
+
 TEST(ImageFormationTest, APerfectCameraChangesNothing) {
   const cv::Mat picture = evenGrey(90);
   const cv::Mat image = exposed(perfectCamera(), picture, 0, Side::kLeft);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <headway/core/error.h>
+#include <headway/sim/rigs.h>
 #include <headway/sim/simulator.h>
 #include <headway_test/repeats.h>
 
@@ -54,6 +55,19 @@ TEST_P(ImageShareTest, IsReachedFromTheFirstFrameOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shares, ImageShareTest, ::testing::Values(0.1, 0.3, 0.5));
+
+TEST(CoverTest, PeopleCoverTheViewOfARobotInAHall) {
+  for (const double cover : {0.3, 0.6}) {
+    SimParams params;
+    applyRig("small", params.camera);
+    params.world.kind = WorldParams::Kind::kHall;
+    params.traffic.pedestrians = 0;
+    params.traffic.vehicles = params.traffic.cyclists = 0;
+    params.traffic.cover = cover;
+    params.recording.frames = kFrames;
+    EXPECT_NEAR(meanOf(sharesOf(params)), cover, 0.1);
+  }
+}
 
 TEST(EscortTest, DrivesAlongWithTheRobotAndIsTheSameForTheSameSeed) {
   SimParams params = crowdedStreet(0.3, 4);

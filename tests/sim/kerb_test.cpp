@@ -149,7 +149,7 @@ Drive driveOnCampus(int seed, double seconds) {
   params.camera.ride_deg = 0.0;
   params.robot.sudden_stop_rate_hz = 0.0;
   params.traffic.pedestrians = params.traffic.vehicles = params.traffic.cyclists = 0;
-  SiteEnvironment place(params);
+  SiteEnvironment place(params, {});
   Drive drive;
   double height = place.T_world_robot().translation().z();
   for (double t = 0.0; t < seconds; t += 0.02) {
@@ -186,7 +186,7 @@ TEST(CampusKerbTest, PeopleCrossTheRoadOnTheGround) {
   params.world.seed = 3;
   params.traffic.pedestrians = 20;
   params.robot.standing = true;
-  SiteEnvironment place(params);
+  SiteEnvironment place(params, {});
   int on_road = 0;
   for (int i = 0; i < 1500; ++i) {
     place.advance(0.02);

@@ -49,7 +49,7 @@ struct Minute {
 };
 
 Minute watch(const SimParams& params, double seconds) {
-  SiteEnvironment place(params);
+  SiteEnvironment place(params, {});
   Minute minute;
   Pose last = place.T_world_robot();
   double speed = 0.0;
@@ -106,7 +106,7 @@ TEST_P(SiteEnvironmentTest, TheRobotTurnsOnTheSpotAsFastAsItMayAndBrakesHard) {
 
 TEST_P(SiteEnvironmentTest, SameSeedSameMotionAnotherSeedAnother) {
   const auto after = [&](int seed) {
-    SiteEnvironment place(busy(GetParam(), seed));
+    SiteEnvironment place(busy(GetParam(), seed), {});
     for (int i = 0; i < 200; ++i) place.advance(kPeopleStep);
     return std::pair{place.T_world_robot(), place.actors(100.0)};
   };
@@ -125,7 +125,7 @@ TEST_P(SiteEnvironmentTest, VehiclesGoOnPastPeopleWhoSitOrStand) {
     SimParams params = busy(GetParam(), seed);
     params.traffic.pedestrians = 0;
     params.traffic.idle_people = 100;
-    SiteEnvironment place(params);
+    SiteEnvironment place(params, {});
     std::map<std::int64_t, double> ways;
     for (double t = 0.0; t < 60.0; t += kPeopleStep) {
       place.advance(kPeopleStep);
@@ -138,7 +138,7 @@ TEST_P(SiteEnvironmentTest, VehiclesGoOnPastPeopleWhoSitOrStand) {
 }
 
 TEST_P(SiteEnvironmentTest, TrueVelocitiesAreThoseOfTheMotion) {
-  SiteEnvironment place(busy(GetParam(), 1));
+  SiteEnvironment place(busy(GetParam(), 1), {});
   std::map<std::int64_t, Eigen::Vector3d> before;
   for (double t = 0.0; t < 20.0; t += kPeopleStep) {
     place.advance(kPeopleStep);
@@ -156,7 +156,7 @@ TEST_P(SiteEnvironmentTest, TrueVelocitiesAreThoseOfTheMotion) {
 TEST_P(SiteEnvironmentTest, AStandingRobotNeverMoves) {
   SimParams params = busy(GetParam(), 1);
   params.robot.standing = true;
-  SiteEnvironment place(params);
+  SiteEnvironment place(params, {});
   const Pose first = place.T_world_robot();
   for (int i = 0; i < 200; ++i) place.advance(kPeopleStep);
   EXPECT_EQ(place.T_world_robot().matrix(), first.matrix());
@@ -166,12 +166,12 @@ TEST_P(SiteEnvironmentTest, HasNoPeopleIfNoneAreConfigured) {
   SimParams params = busy(GetParam(), 1);
   params.traffic.pedestrians = params.traffic.idle_people = 0;
   params.traffic.vehicles = params.traffic.cyclists = 0;
-  SiteEnvironment place(params);
+  SiteEnvironment place(params, {});
   for (const Actor& actor : place.actors(100.0)) EXPECT_TRUE(actor.parked);
 }
 
 TEST_P(SiteEnvironmentTest, HasADropBesideWhichTheRobotStays) {
-  SiteEnvironment place(busy(GetParam(), 2));
+  SiteEnvironment place(busy(GetParam(), 2), {});
   ASSERT_FALSE(place.drops().empty());
   for (const Drop& drop : place.drops()) {
     EXPECT_GT(drop.depth_m, 0.5);
@@ -184,7 +184,7 @@ TEST_P(SiteEnvironmentTest, HasADropBesideWhichTheRobotStays) {
 TEST_P(SiteEnvironmentTest, WithSomeSeedsTheRobotStartsBesideADrop) {
   int beside = 0;
   for (int seed = 1; seed <= test::repeats(8, 1); ++seed) {
-    SiteEnvironment place(busy(GetParam(), seed));
+    SiteEnvironment place(busy(GetParam(), seed), {});
     const Eigen::Vector2d robot = place.T_world_robot().translation().head<2>();
     for (const Drop& drop : place.drops()) {
       Eigen::Vector2d middle = Eigen::Vector2d::Zero();
@@ -224,7 +224,7 @@ TEST(SiteImuTest, StartsTurnsAndBrakesAreFeltAsTheyAre) {
   params.traffic.pedestrians = params.traffic.idle_people = 0;
   params.robot.sudden_stop_rate_hz = 0.3;
   params.camera.ride_deg = 0.0;
-  SiteEnvironment place(params);
+  SiteEnvironment place(params, {});
   MotionSensors sensors(1);
   constexpr double kImuStep = 0.01;
   std::map<int, Pose> poses;
@@ -263,7 +263,7 @@ bool isInsideAVehicle(SiteEnvironment& place) {
 TEST(SiteEnvironmentTest, NoVehicleDrivesThroughTheRobot) {
   for (const Kind kind : {Kind::kWarehouse, Kind::kCampus}) {
     for (const int seed : {3, 12, 14}) {
-      SiteEnvironment place(busy(kind, seed));
+      SiteEnvironment place(busy(kind, seed), {});
       int frames_inside = isInsideAVehicle(place) ? 1 : 0;
       for (int k = 0; k < 150; ++k) {
         place.advance(kPeopleStep);

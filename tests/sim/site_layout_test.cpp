@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "navigation_grid.h"
 #include "robot.h"
 #include "route.h"
 #include "site.h"
+#include "site_furniture.h"
 
 namespace headway::sim {
 namespace {
@@ -21,13 +24,56 @@ Site siteOf(Place place, std::uint64_t seed) {
   static const Grain grain(1);
   switch (place) {
     case Place::kCampus:
-      return makeCampus(grain, seed);
+      return makeCampus({}, grain, seed);
     case Place::kWarehouse:
-      return makeWarehouse(grain, seed);
+      return makeWarehouse({}, grain, seed);
     case Place::kHall:
       break;
   }
-  return makeHall(grain, seed);
+  return makeHall({}, grain, seed);
+}
+
+/// Boxes of a material, by where the corners of their triangles are [cm].
+std::multiset<std::array<long, 9>> trianglesOf(const Site& site, Material material) {
+  std::multiset<std::array<long, 9>> all;
+  const auto found = site.surfaces.find(material);
+  if (found == site.surfaces.end()) return all;
+  for (const auto& triangle : found->second.triangles) {
+    std::array<long, 9> at{};
+    for (std::size_t i = 0; i < 9; ++i) {
+      at[i] = std::lround(100.0F * triangle[i / 3].position[static_cast<int>(i % 3)]);
+    }
+    all.insert(at);
+  }
+  return all;
+}
+
+TEST(MovedFurnitureTest, AsMuchOfTheLoadsAsIsAskedForIsExchanged) {
+  static const Grain grain(1);
+  WorldParams params;
+  const Site before = makeWarehouse(params, grain, 3);
+  params.moved_ratio = 0.4;
+  const Site after = makeWarehouse(params, grain, 3);
+  const auto cartons = trianglesOf(before, Material::kCardboard);
+  int stayed = 0;
+  const auto now = trianglesOf(after, Material::kCardboard);
+  for (const auto& triangle : cartons) stayed += now.count(triangle) > 0 ? 1 : 0;
+  EXPECT_NEAR(0.6, stayed / static_cast<double>(cartons.size()), 0.15);
+  EXPECT_EQ(trianglesOf(before, Material::kOrangeSteel), trianglesOf(after, Material::kOrangeSteel))
+      << "racks stay";
+}
+
+TEST(IdenticalRacksTest, EachBayHasTheLoadsOfTheFirst) {
+  static const Grain grain(1);
+  WorldParams params;
+  params.identical_racks = true;
+  const auto cartons = trianglesOf(makeWarehouse(params, grain, 3), Material::kCardboard);
+  int shown_again = 0;
+  for (auto triangle : cartons) {
+    for (const std::size_t x : {0, 3, 6}) triangle[x] += std::lround(100.0 * kRackBay.length);
+    shown_again += cartons.count(triangle) > 0 ? 1 : 0;
+  }
+  EXPECT_GT(shown_again, static_cast<int>(cartons.size()) * 2 / 3) << "in the next bay";
 }
 
 Eigen::AlignedBox2d boundsOf(const Drop& drop) {

@@ -27,8 +27,8 @@ struct CampusLayout {
 /// A promenade with a cycle way between lawns and a road, with houses around.
 class CampusPlan : private CampusLayout {
  public:
-  CampusPlan(Site& site, const Grain& grain, std::uint64_t seed)
-      : builder_(site), site_(site), grain_(grain), random_(seed) {}
+  CampusPlan(Site& site, const WorldParams& params, const Grain& grain, std::uint64_t seed)
+      : builder_(site, params, seed), site_(site), grain_(grain), random_(seed) {}
 
   void build() {
     site_.outdoors = true;
@@ -251,9 +251,9 @@ void CampusPlan::addPlaces() {
 
 }  // namespace
 
-Site makeCampus(const Grain& grain, std::uint64_t seed) {
+Site makeCampus(const WorldParams& params, const Grain& grain, std::uint64_t seed) {
   Site site;
-  CampusPlan(site, grain, seed).build();
+  CampusPlan(site, params, grain, seed).build();
   return site;
 }
 

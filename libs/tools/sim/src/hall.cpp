@@ -32,7 +32,8 @@ struct Room {
 /// An office floor: rooms on both sides of a corridor, and a lobby at its western end.
 class HallPlan {
  public:
-  HallPlan(Site& site, std::uint64_t seed) : builder_(site), site_(site), random_(seed) {}
+  HallPlan(Site& site, const WorldParams& params, std::uint64_t seed)
+      : builder_(site, params, seed), site_(site), random_(seed) {}
 
   void build() {
     length_ = random_.uniform(23.0, 28.0);
@@ -260,9 +261,9 @@ void HallPlan::buildLobby() {
 
 }  // namespace
 
-Site makeHall(const Grain& /*grain*/, std::uint64_t seed) {
+Site makeHall(const WorldParams& params, const Grain& /*grain*/, std::uint64_t seed) {
   Site site;
-  HallPlan(site, seed).build();
+  HallPlan(site, params, seed).build();
   return site;
 }
 

@@ -34,6 +34,12 @@ ImageFormation::ImageFormation(const CameraParams& params, int width, int height
       }
     }
   }
+  if (params.gamma != 1.0) {
+    tones_.create(1, 256, CV_8U);
+    for (int i = 0; i < 256; ++i) {
+      tones_.at<uchar>(i) = cv::saturate_cast<uchar>(255.0 * std::pow(i / 255.0, params.gamma));
+    }
+  }
   Random random(seedOf({seed, 1}));
   noise_.create(height + kSpare, width + kSpare, CV_8UC3);
   for (int v = 0; v < noise_.rows; ++v) {
@@ -57,6 +63,7 @@ cv::Mat ImageFormation::expose(const cv::Mat& picture, std::size_t frame, Side s
   } else {
     cv::multiply(picture, light_, result, gain / 255.0);
   }
+  if (!tones_.empty()) cv::LUT(result, tones_, result);
   if (params_.noise_grey > 0.0) {
     Random random(seedOf({seed_, frame, static_cast<std::uint64_t>(side), 2}));
     const cv::Rect place(drawPoint(kSpare, kSpare, random), result.size());

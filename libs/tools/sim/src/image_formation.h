@@ -39,7 +39,7 @@ class CameraClock {
 };
 
 /// What a real camera does to a clean picture: loss of light in the corners, brightness that
-/// wanders, a gain that differs between the two cameras, and sensor noise.
+/// wanders, a gain that differs between the two cameras, a tone curve, and sensor noise.
 class ImageFormation {
  public:
   ImageFormation(const CameraParams& params, int width, int height, std::uint64_t seed);
@@ -55,6 +55,7 @@ class ImageFormation {
   std::uint64_t seed_;
   cv::Mat light_;  ///< ratio of light that arrives at each pixel, 255 = all; empty: everywhere all
   cv::Mat noise_;  ///< a sheet of noise larger than the image, 8-bit, mean 128
+  cv::Mat tones_;  ///< of each brightness; empty: the same
 };
 
 /// What a depth camera measures of true depths: noise that grows with the square of the depth and

@@ -45,6 +45,11 @@ void WorldParams::describe(Params::Section section) {
   section.add("hill_height_m", hill_height_m, 0.0, 20.0, "m", "Rise and fall of the ground");
   section.add("fence_ratio", fence_ratio, 0.0, 1.0, "",
               "Ratio of a street's frontage with picket fences or railings");
+  section.add("moved_ratio", moved_ratio, 0.0, 1.0, "",
+              "Ratio of the furniture and loads of hall, campus or warehouse that are otherwise "
+              "than the seed places them");
+  section.add("identical_racks", identical_racks,
+              "All bays of a warehouse's racks are loaded like the first");
 }
 
 void TrafficParams::describe(Params::Section section) {
@@ -70,6 +75,9 @@ void TrafficParams::describe(Params::Section section) {
   section.add("image_share", image_share, 0.0, 0.6, "",
               "Mean ratio of the left image that moving objects cover, from the first frame on: "
               "a few vehicles stay close to the robot, instead of the others; 0: no control");
+  section.add("cover", cover, 0.0, 0.8, "",
+              "Ratio of the view that people who walk before the camera cover in hall, campus or "
+              "warehouse");
   section.add("idle_people", idle_people, 0, 100, "",
               "People who sit or stand about in hall, campus or warehouse");
   section.add("encounter_ratio", encounter_ratio, 0.0, 1.0, "",
@@ -135,6 +143,8 @@ void CameraParams::describe(Params::Section section) {
   section.add("gain_difference", gain_difference, -0.5, 0.5, "", "Right image brighter by this");
   section.add("vignetting", vignetting, 0.0, 0.9, "", "Loss of light in the corners");
   section.add("exposure_change", exposure_change, 0.0, 0.8, "", "Slow change of brightness");
+  section.add("gamma", gamma, 0.2, 5.0, "",
+              "Exponent of the brightness; below 1 the picture is brighter, above darker");
   section.add("blur_samples", blur_samples, 1, 16, "", "Drawings averaged for motion blur");
   section.add("exposure_s", exposure_s, 0.0, 0.1, "s", "Exposure time (motion blur)");
   section.add("k1", k1, -0.5, 0.5, "", "Radial distortion; non-zero: raw images");

@@ -67,6 +67,15 @@ Eigen::AlignedBox2d rectangle(double x0, double y0, double x1, double y1) {
           Eigen::Vector2d(std::max(x0, x1), std::max(y0, y1))};
 }
 
+Spot SiteBuilder::placed(const Spot& planned) {
+  if (!isMoved()) return planned;
+  Spot at = planned;
+  const double way_m = moves_.uniform(0.15, 0.5) * (moves_.chance(0.5) ? 1.0 : -1.0);
+  at.position += way_m * leftOf(direction(planned.yaw));
+  at.yaw += 0.15 * moves_.normal();
+  return at;
+}
+
 void SiteBuilder::quad(const std::array<Eigen::Vector3d, 4>& corners, const Eigen::Vector3d& right,
                        const Eigen::Vector3d& down, Material material) {
   const double size = pictureSize(material);

@@ -70,12 +70,12 @@ struct Site {
 [[nodiscard]] double wheelHeight(const Site& site, const Eigen::Vector2d& at);
 
 /// An office floor: corridor, rooms with furniture, windows, a lobby with stairs down.
-[[nodiscard]] Site makeHall(const Grain& grain, std::uint64_t seed);
+[[nodiscard]] Site makeHall(const WorldParams& params, const Grain& grain, std::uint64_t seed);
 /// Outdoor paths with hedges, railings and bicycles between houses; stairs down; a roadway between
 /// kerbs that are lowered to ramps here and there.
-[[nodiscard]] Site makeCampus(const Grain& grain, std::uint64_t seed);
+[[nodiscard]] Site makeCampus(const WorldParams& params, const Grain& grain, std::uint64_t seed);
 /// Racks with pallets, painted aisles, forklifts, a loading dock.
-[[nodiscard]] Site makeWarehouse(const Grain& grain, std::uint64_t seed);
+[[nodiscard]] Site makeWarehouse(const WorldParams& params, const Grain& grain, std::uint64_t seed);
 
 /// A piece of a wall that is missing between two heights: a door, a window.
 struct Opening {
@@ -96,7 +96,18 @@ struct BoxShape {
 /// Puts boxes, walls and floors into a site: their surfaces, and what they block.
 class SiteBuilder {
  public:
-  explicit SiteBuilder(Site& site) : site_(site) {}
+  /// @param seed  of what stands otherwise than planned, by WorldParams::moved_ratio
+  SiteBuilder(Site& site, const WorldParams& params, std::uint64_t seed)
+      : site_(site), moved_ratio_(params.moved_ratio), moves_(seedOf({seed, 511})) {}
+  explicit SiteBuilder(Site& site) : SiteBuilder(site, {}, 0) {}
+
+  /// Whether the next piece is otherwise than planned.
+  [[nodiscard]] bool isMoved() { return moved_ratio_ > 0.0 && moves_.chance(moved_ratio_); }
+  /// Where a piece of furniture stands that is planned there: if it is moved, some decimetres
+  /// along its own y axis, and turned.
+  [[nodiscard]] Spot placed(const Spot& planned);
+  /// Of what is otherwise than planned.
+  [[nodiscard]] Random& moves() { return moves_; }
 
   /// A box, impassable if it reaches into the room that people and robots take.
   void box(const BoxShape& shape, Material material);
@@ -139,6 +150,8 @@ class SiteBuilder {
             const Eigen::Vector3d& down, Material material);
 
   Site& site_;
+  double moved_ratio_;
+  Random moves_;
 };
 
 /// The rectangle between two corners.

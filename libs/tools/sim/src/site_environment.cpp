@@ -193,7 +193,8 @@ enum SitePurpose : std::uint64_t {
   kPeopleSeed,
   kBicycleSeed,
   kStartSeed,
-  kEncounterSeed = 509
+  kEncounterSeed = 509,
+  kCoverSeed = 512
 };
 
 /// Distance of a stop to the middle of the nearest drop [m].
@@ -220,32 +221,33 @@ Site withStart(Site site, std::uint64_t seed) {
   return site;
 }
 
-Site makeSite(WorldParams::Kind kind, const Grain& grain, std::uint64_t seed) {
-  switch (kind) {
+Site makeSite(const WorldParams& params, const Grain& grain, std::uint64_t seed) {
+  switch (params.kind) {
     case WorldParams::Kind::kCampus:
-      return makeCampus(grain, seed);
+      return makeCampus(params, grain, seed);
     case WorldParams::Kind::kWarehouse:
-      return makeWarehouse(grain, seed);
+      return makeWarehouse(params, grain, seed);
     case WorldParams::Kind::kHall:
     case WorldParams::Kind::kStreet:
       break;
   }
-  return makeHall(grain, seed);
+  return makeHall(params, grain, seed);
 }
 
 }  // namespace
 
-SiteEnvironment::SiteEnvironment(const SimParams& params, Driver driver)
+SiteEnvironment::SiteEnvironment(const SimParams& params, const StereoCamera& camera, Driver driver)
     : seed_(static_cast<std::uint64_t>(params.world.seed)),
       grain_(seedOf({seed_, kGrainSeed})),
-      site_(withStart(makeSite(params.world.kind, grain_, seedOf({seed_, kLayoutSeed})),
+      site_(withStart(makeSite(params.world, grain_, seedOf({seed_, kLayoutSeed})),
                       seedOf({seed_, kStartSeed}))),
       grid_(site_),
       robot_(driver == Driver::kCaller
                  ? steeredRobot(params, site_, grid_, seed_)
                  : WheeledRobot(params, site_, grid_, seedOf({seed_, kRobotSeed}))),
       vehicles_(params.traffic, site_, robot_.obstacle(), seedOf({seed_, kVehicleSeed}), next_id_),
-      walkers_(params.traffic, site_, grid_, seedOf({seed_, kPeopleSeed})) {
+      walkers_(params.traffic, site_, grid_, seedOf({seed_, kPeopleSeed})),
+      cover_(params.traffic, camera, seedOf({seed_, kCoverSeed}), next_id_) {
   walkers_.populate(robot_, next_id_);
   if (robot_.course() && params.traffic.pedestrians > 0)
     walkers_.meet(robot_, seedOf({seed_, kEncounterSeed}), next_id_);
@@ -275,6 +277,7 @@ void SiteEnvironment::advance(double dt) {
   walkers_.advance(dt, robot_, vehicles);
   vehicles_.advance(dt, around_vehicles);
   robot_.advance(dt, around_robot);
+  cover_.advance(dt, robot_.T_world_robot());
 }
 
 std::vector<Actor> SiteEnvironment::actors(double /*reach*/) {
@@ -282,6 +285,7 @@ std::vector<Actor> SiteEnvironment::actors(double /*reach*/) {
   const auto& vehicles = vehicles_.actors();
   actors.insert(actors.end(), vehicles.begin(), vehicles.end());
   actors.insert(actors.end(), bicycles_.begin(), bicycles_.end());
+  actors.insert(actors.end(), cover_.actors().begin(), cover_.actors().end());
   return actors;
 }
 
@@ -300,7 +304,7 @@ std::unique_ptr<Scene> SiteEnvironment::makeScene(const StereoCamera& /*camera*/
 std::unique_ptr<Environment> makeEnvironment(const SimParams& params, const StereoCamera& camera,
                                              Driver driver) {
   if (params.world.kind != WorldParams::Kind::kStreet) {
-    return std::make_unique<SiteEnvironment>(params, driver);
+    return std::make_unique<SiteEnvironment>(params, camera, driver);
   }
   return makeStreetEnvironment(params, camera, driver);
 }

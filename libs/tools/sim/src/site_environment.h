@@ -10,7 +10,8 @@ namespace headway::sim {
 /// A site with a robot, people and vehicles.
 class SiteEnvironment : public Environment {
  public:
-  explicit SiteEnvironment(const SimParams& params, Driver driver = Driver::kItself);
+  SiteEnvironment(const SimParams& params, const StereoCamera& camera,
+                  Driver driver = Driver::kItself);
 
   void advance(double dt) override;
   [[nodiscard]] Pose T_world_robot() const override { return robot_.T_world_robot(); }
@@ -35,6 +36,7 @@ class SiteEnvironment : public Environment {
   std::int64_t next_id_ = 0;
   LoopVehicles vehicles_;
   Walkers walkers_;
+  CoveringPeople cover_;
   std::vector<Actor> bicycles_;
 };
 

@@ -3,6 +3,7 @@
 #include "site_furniture.h"
 
 #include <cmath>
+#include <optional>
 
 #include "furniture.h"
 
@@ -31,7 +32,8 @@ void addLegs(SiteBuilder& builder, const Spot& at, const Eigen::Vector2d& size, 
 
 }  // namespace
 
-void addChair(SiteBuilder& builder, const Spot& at, Random& random) {
+void addChair(SiteBuilder& builder, const Spot& planned, Random& random) {
+  const Spot at = builder.placed(planned);
   const Material seat = random.chance(0.6) ? Material::kFabric : Material::kBlackPlastic;
   builder.ornament({at.position, at.yaw, {0.06, 0.06, 0.4}, 0.06}, Material::kSteel);
   builder.ornament({at.position, at.yaw, {0.55, 0.07, 0.06}, 0.03}, Material::kBlackPlastic);
@@ -41,7 +43,8 @@ void addChair(SiteBuilder& builder, const Spot& at, Random& random) {
   builder.site().spots.push_back(spotAt(at, 0.2, 0.0, 0.0, true));
 }
 
-void addDesk(SiteBuilder& builder, const Spot& at, Random& random) {
+void addDesk(SiteBuilder& builder, const Spot& planned, Random& random) {
+  const Spot at = builder.placed(planned);
   const Material top = random.chance(0.5) ? Material::kWood : Material::kWhitePaint;
   builder.part(at, {0, 0}, {0.8, 1.6, 0.04}, 0.7, top);
   addLegs(builder, at, {0.7, 1.5}, 0.7, Material::kSteel);
@@ -63,7 +66,8 @@ void addDesk(SiteBuilder& builder, const Spot& at, Random& random) {
   addChair(builder, spotAt(at, -0.72, random.uniform(-0.2, 0.2), 0.0, true), random);
 }
 
-void addMeetingTable(SiteBuilder& builder, const Spot& at, int chairs_a_side, Random& random) {
+void addMeetingTable(SiteBuilder& builder, const Spot& planned, int chairs_a_side, Random& random) {
+  const Spot at = builder.placed(planned);
   const double length = 0.8 * chairs_a_side + 0.2;
   builder.part(at, {0, 0}, {length, 1.1, 0.05}, 0.7, Material::kWood);
   addLegs(builder, at, {length - 0.2, 0.9}, 0.7, Material::kBlackPlastic);
@@ -77,7 +81,8 @@ void addMeetingTable(SiteBuilder& builder, const Spot& at, int chairs_a_side, Ra
   }
 }
 
-void addSofa(SiteBuilder& builder, const Spot& at) {
+void addSofa(SiteBuilder& builder, const Spot& planned) {
+  const Spot at = builder.placed(planned);
   builder.part(at, {0, 0}, {0.8, 1.9, 0.38}, 0.06, Material::kFabric);
   builder.part(at, {-0.32, 0}, {0.18, 1.9, 0.4}, 0.44, Material::kFabric);
   for (const double side : {1.0, -1.0}) {
@@ -86,7 +91,8 @@ void addSofa(SiteBuilder& builder, const Spot& at) {
   }
 }
 
-void addCupboard(SiteBuilder& builder, const Spot& at, Random& random) {
+void addCupboard(SiteBuilder& builder, const Spot& planned, Random& random) {
+  const Spot at = builder.placed(planned);
   const double height = random.uniform(1.6, 2.1);
   if (random.chance(0.6)) {
     builder.part(at, {-0.02, 0}, {0.34, 1.0, height}, 0.0, Material::kDarkWood);
@@ -101,7 +107,8 @@ void addCupboard(SiteBuilder& builder, const Spot& at, Random& random) {
   }
 }
 
-void addPlant(SiteBuilder& builder, const Eigen::Vector2d& at, Random& random) {
+void addPlant(SiteBuilder& builder, const Eigen::Vector2d& planned, Random& random) {
+  const Eigen::Vector2d at = builder.placed({planned, 0.0}).position;
   builder.box({at, random.uniform(0.0, 1.5), {0.36, 0.36, 0.36}, 0.0}, Material::kWhitePaint);
   builder.ornament({at, 0.0, {0.3, 0.3, 0.01}, 0.36}, Material::kSoil);
   const auto height = static_cast<float>(random.uniform(0.5, 1.1));
@@ -132,7 +139,8 @@ void addRadiator(SiteBuilder& builder, const Spot& at) {
   }
 }
 
-void addBench(SiteBuilder& builder, const Spot& at) {
+void addBench(SiteBuilder& builder, const Spot& planned) {
+  const Spot at = builder.placed(planned);
   for (const double x : {-0.15, 0.0, 0.15}) {
     builder.part(at, {x, 0}, {0.12, 1.8, 0.04}, 0.42, Material::kPallet);
   }
@@ -163,20 +171,41 @@ void addBicycleStand(SiteBuilder& builder, const Spot& at, int bicycles, Random&
   builder.block({at.position, {0.75 * bicycles, 1.9}, at.yaw});
 }
 
+namespace {
+
+/// What is on a pallet.
+struct PalletLoad {
+  bool is_empty = false;
+  double height = 0.0;            ///< [m]
+  std::optional<Material> drums;  ///< of them, if it is no cartons
+};
+
+PalletLoad drawLoad(Random& random) {
+  PalletLoad load;
+  load.is_empty = random.chance(0.12);
+  if (load.is_empty) return load;
+  load.height = random.uniform(0.45, 1.15);
+  if (random.chance(0.7)) return load;
+  load.drums = random.chance(0.5) ? Material::kBlueSteel : Material::kBlackPlastic;
+  return load;
+}
+
+}  // namespace
+
 void addPallet(SiteBuilder& builder, const Spot& at, double base_m, Random& random) {
   for (const double y : {-0.36, 0.0, 0.36}) {
     builder.part(at, {0, y}, {1.2, 0.1, 0.1}, base_m, Material::kPallet);
   }
   builder.part(at, {0, 0}, {1.2, 0.82, 0.03}, base_m + 0.1, Material::kPallet);
-  if (random.chance(0.12)) return;
-  const double height = random.uniform(0.45, 1.15);
-  if (random.chance(0.7)) {
-    builder.part(at, {0, 0}, {1.12, 0.76, height}, base_m + 0.13, Material::kCardboard);
+  PalletLoad load = drawLoad(random);
+  if (builder.isMoved()) load = drawLoad(builder.moves());
+  if (load.is_empty) return;
+  if (!load.drums) {
+    builder.part(at, {0, 0}, {1.12, 0.76, load.height}, base_m + 0.13, Material::kCardboard);
     return;
   }
-  const Material drum = random.chance(0.5) ? Material::kBlueSteel : Material::kBlackPlastic;
   for (const double x : {-0.29, 0.29}) {
-    builder.part(at, {x, 0}, {0.54, 0.7, 0.8 * height}, base_m + 0.13, drum);
+    builder.part(at, {x, 0}, {0.54, 0.7, 0.8 * load.height}, base_m + 0.13, *load.drums);
   }
 }
 

@@ -324,6 +324,51 @@ void Walkers::advance(double dt, const WheeledRobot& robot, const std::vector<Ob
 
 namespace {
 
+/// Of people who cover the view.
+struct CoverStyle {
+  double width_m = 0.165;  ///< that the legs of one hide, which small robots see
+  double nearest_m = 1.0;  ///< to the camera
+  double sway_m = 0.1;     ///< to either side
+};
+constexpr CoverStyle kCover{};
+
+}  // namespace
+
+CoveringPeople::CoveringPeople(const TrafficParams& params, const StereoCamera& camera,
+                               std::uint64_t seed, std::int64_t& next_id)
+    : camera_(camera) {
+  if (params.cover == 0.0) return;
+  const double covered_px = -std::log(1.0 - params.cover) * camera.width;  // some hide others
+  const double count = std::ceil(covered_px * kCover.nearest_m / (camera.fx * kCover.width_m));
+  ahead_m_ = count * camera.fx * kCover.width_m / covered_px;
+  Random random(seed);
+  for (int i = 0; i < static_cast<int>(count); ++i) {
+    sways_.push_back(random.uniform(1.0, 2.5));
+    actors_.push_back(drawActor(ActorKind::kPedestrian, next_id++, random));
+  }
+}
+
+void CoveringPeople::advance(double dt, const Pose& T_world_robot) {
+  seconds_ += dt;
+  const Pose T_world_cam = T_world_robot * camera_.T_robot_cam;
+  const double half_view_m = 0.5 * camera_.width / camera_.fx * ahead_m_;
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    Actor& actor = actors_[i];
+    const double spread = (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(sways_.size());
+    const double right =
+        half_view_m * (spread - 1.0) + kCover.sway_m * std::sin(sways_[i] * seconds_);
+    const Eigen::Vector3d before = actor.position;
+    actor.position = T_world_cam * Eigen::Vector3d(right, 0.0, ahead_m_);
+    actor.position.z() = T_world_robot.translation().z();
+    actor.yaw = yawOf(T_world_robot);
+    if (dt > 0.0) actor.velocity = (actor.position - before).head<2>() / dt;
+    actor.speed = actor.velocity.norm();
+    swingLimbs(dt, actor);
+  }
+}
+
+namespace {
+
 /// The first place from `s` on from which a vehicle can brake for the robot; `s` if there is none.
 double startClearOf(const Obstacle& robot, const Path& path, double s, double vehicle_length_m) {
   // With the 2.5 m in which a forklift stops.

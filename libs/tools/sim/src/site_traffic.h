@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/core/random.h>
+#include <headway/core/stereo_camera.h>
 #include <headway/sim/sim_params.h>
 
 #include <optional>
@@ -78,6 +79,25 @@ class Walkers {
   const NavigationGrid& grid_;
   Random random_;
   std::vector<Person> people_;  ///< same order as actors_
+  std::vector<Actor> actors_;
+};
+
+/// People who walk with the robot close before its camera and cover part of its view. Nobody else
+/// heeds them; where a wall is nearer than they are, it hides them.
+class CoveringPeople {
+ public:
+  /// @param camera  whose left image they cover by TrafficParams::cover
+  CoveringPeople(const TrafficParams& params, const StereoCamera& camera, std::uint64_t seed,
+                 std::int64_t& next_id);
+
+  void advance(double dt, const Pose& T_world_robot);
+  [[nodiscard]] const std::vector<Actor>& actors() const { return actors_; }
+
+ private:
+  StereoCamera camera_;
+  double ahead_m_ = 0.0;       ///< of the camera
+  double seconds_ = 0.0;       ///< so far
+  std::vector<double> sways_;  ///< from side to side, each at a rate of its own [rad/s]
   std::vector<Actor> actors_;
 };
 

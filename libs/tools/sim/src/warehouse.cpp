@@ -19,7 +19,11 @@ struct WarehouseLayout {
 /// Racks along x, a cross aisle at either end, and a staging area with loading docks.
 class WarehousePlan : private WarehouseLayout {
  public:
-  WarehousePlan(Site& site, std::uint64_t seed) : builder_(site), site_(site), random_(seed) {}
+  WarehousePlan(Site& site, const WorldParams& params, std::uint64_t seed)
+      : builder_(site, params, seed),
+        site_(site),
+        random_(seed),
+        identical_racks_(params.identical_racks) {}
 
   void build() {
     rack_rows_ = 3 + random_.below(2);
@@ -46,6 +50,7 @@ class WarehousePlan : private WarehouseLayout {
   SiteBuilder builder_;
   Site& site_;
   Random random_;
+  bool identical_racks_;
   int rack_rows_ = 3, bays_ = 9;
   double racks_from_ = 5.0, rows_end_ = 0.0, width_ = 20.0;
   std::vector<double> aisles_;  ///< their middles, y
@@ -61,14 +66,16 @@ void WarehousePlan::paintLine(const Eigen::Vector2d& from, const Eigen::Vector2d
 
 void WarehousePlan::layRacks() {
   double y = 0.35;
+  const Random first = random_;
   const double to = racks_from_ + kRackBay.length * bays_;
   for (int row = 0; row < rack_rows_; ++row) {
     const int deep = row == 0 ? 1 : 2;  // back to back, but at the wall
     for (int k = 0; k < deep; ++k, y += kRackBay.depth) {
       for (int bay = 0; bay < bays_; ++bay) {
+        Random same = first;
         addRackBay(builder_,
                    {{racks_from_ + kRackBay.length * (bay + 0.5), y + 0.5 * kRackBay.depth}, 0.0},
-                   random_);
+                   identical_racks_ ? same : random_);
       }
       for (const double x : {racks_from_ - 0.25, to + 0.25}) {  // protects the uprights
         builder_.box({{x, y + 0.5 * kRackBay.depth}, 0.0, {0.12, kRackBay.depth, 0.4}, 0.0},
@@ -181,9 +188,9 @@ void WarehousePlan::addPlaces() {
 
 }  // namespace
 
-Site makeWarehouse(const Grain& /*grain*/, std::uint64_t seed) {
+Site makeWarehouse(const WorldParams& params, const Grain& /*grain*/, std::uint64_t seed) {
   Site site;
-  WarehousePlan(site, seed).build();
+  WarehousePlan(site, params, seed).build();
   return site;
 }
 

@@ -41,6 +41,8 @@ struct WorldParams {
   double parked_ratio = 0.45;  ///< of the parking bays
   double hill_height_m = 0.0;  ///< rise and fall of lane and loop routes
   double fence_ratio = 0.0;    ///< of the frontage with picket fences or railings before it
+  double moved_ratio = 0.0;    ///< of the furniture and loads, otherwise than the seed places them
+  bool identical_racks = false;  ///< a warehouse's bays are all loaded like the first
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "world"); }  ///< @throws InputError
@@ -64,9 +66,10 @@ struct TrafficParams {
   double stop_rate_hz = 0.02;           ///< how often a walker stops for a moment
   int in_front_at_start = 0;            ///< actors right before the camera at the start
   double image_share = 0.0;             ///< of the left image that actors cover; 0: as it comes
-  int idle_people = 0;                  ///< of hall, campus, warehouse: they sit or stand about
-  double encounter_ratio = 0.35;        ///< of their walkers' ways, those that meet the robot
-  double range_ahead_m = 100.0;         ///< actors live up to here ahead of the robot
+  double cover = 0.0;   ///< of the view, by people who walk before the camera; not in streets
+  int idle_people = 0;  ///< of hall, campus, warehouse: they sit or stand about
+  double encounter_ratio = 0.35;  ///< of their walkers' ways, those that meet the robot
+  double range_ahead_m = 100.0;   ///< actors live up to here ahead of the robot
   double range_behind_m = 25.0;
 
   void describe(Params::Section section);
@@ -138,6 +141,7 @@ struct CameraParams {
   double gain_difference = 0.02;  ///< right image brighter than left by this ratio
   double vignetting = 0.1;        ///< loss of light in the corners
   double exposure_change = 0.0;   ///< slow change of brightness, ratio
+  double gamma = 1.0;             ///< of the brightness; above 1: darker
   int blur_samples = 1;           ///< drawings averaged over the exposure; 1: no motion blur
   double exposure_s = 0.01;
   double k1 = 0.0;  ///< radial distortion; any non-zero: raw images are recorded
