@@ -134,6 +134,41 @@ TEST_F(ReplayPageTest, ShowsWhatThereIsAndRefusesAFolderWithoutATrajectory) {
   EXPECT_THROW((void)page(), InputError);
 }
 
+TEST_F(ReplayPageTest, OfVeryManyBoxesTheNearestAreShownAndTheRestIsSaid) {
+  constexpr std::size_t kManyFrames = 60, kMany = 1000;
+  std::vector<Stamped<Pose>> path;
+  {
+    std::ofstream tracks(folder_ / "tracks.csv"), predictions(folder_ / "predictions.csv");
+    tracks << io::trackCsvHeader() << '\n';
+    predictions << io::predictionCsvHeader() << '\n';
+    for (std::size_t frame = 0; frame < kManyFrames; ++frame) {
+      const Time time = timeOf(static_cast<int>(frame));
+      path.push_back({time, Pose::Identity()});
+      for (std::size_t i = 0; i < kMany; ++i) {
+        Track track = tracksAt(0)[0];
+        track.id = TrackId{static_cast<std::int64_t>(i)};
+        track.position.x() = 1000.0 - static_cast<double>(i);  // the last is the nearest
+        io::writeTrackCsv(tracks, {frame, time, track});
+        for (int k = 1; k <= 6; ++k) {
+          io::PredictionRow row{frame, time, track.id, track.object_class, 0, 1.0, {}};
+          row.point.horizon_s = 0.5 * k;
+          row.point.position = track.position;
+          row.point.covariance = Eigen::Matrix2d::Identity();
+          io::writePredictionCsv(predictions, row);
+        }
+      }
+    }
+  }
+  io::writeTum(folder_ / "trajectory.tum", path);
+  std::vector<std::string> notes;
+  const auto page =
+      writeReplayPage(folder_.path(), options_, [&](const auto& n) { notes.push_back(n); });
+  EXPECT_LT(std::filesystem::file_size(page), 15'000'000U);
+  ASSERT_EQ(2U, notes.size());
+  EXPECT_THAT(notes[0], HasSubstr("40020 of 60000 boxes are left out: at most the nearest 333"));
+  EXPECT_THAT(notes[1], HasSubstr("predictions of 6660 boxes are left out"));
+}
+
 TEST_F(ReplayPageTest, SaysThatARunDidNotEnd) {
   EXPECT_THAT(page(), Not(HasSubstr("(ended early)")));
   std::ofstream(folder_ / "summary.json") << R"({"ended_early": null})";

@@ -153,6 +153,23 @@ void addTracks(const SamplesByPosition& samples, std::vector<ReplayFrame>& frame
   }
 }
 
+/// Keeps the tracks nearest to the robot in each frame, so that all frames together have at most so
+/// many boxes, or one each.
+void keepNearest(std::size_t max_boxes, std::vector<ReplayFrame>& frames, const Note& note) {
+  std::size_t boxes = 0, kept = 0;
+  for (const auto& frame : frames) boxes += frame.tracks.size();
+  if (boxes <= max_boxes) return;
+  const std::size_t in_a_frame = std::max<std::size_t>(1, max_boxes / frames.size());
+  for (auto& frame : frames) {
+    sortByDistance(frame);
+    if (frame.tracks.size() > in_a_frame) frame.tracks.resize(in_a_frame);
+    kept += frame.tracks.size();
+  }
+  note(std::to_string(boxes - kept) + " of " + std::to_string(boxes) +
+       " boxes are left out: at most the nearest " + std::to_string(in_a_frame) +
+       " of each frame are shown");
+}
+
 Track* trackOf(TrackId id, ReplayFrame& frame) {
   const auto track = std::find_if(frame.tracks.begin(), frame.tracks.end(),
                                   [id](const Track& candidate) { return candidate.id == id; });
@@ -206,6 +223,13 @@ void addPast(const PathsByTrack& paths, double past_s, std::vector<ReplayFrame>&
 
 }  // namespace
 
+void sortByDistance(ReplayFrame& frame) {
+  const Eigen::Vector3d robot = frame.T_map_robot.translation();
+  std::stable_sort(frame.tracks.begin(), frame.tracks.end(), [&](const Track& a, const Track& b) {
+    return (a.position - robot).squaredNorm() < (b.position - robot).squaredNorm();
+  });
+}
+
 ReplayInput readReplayInput(const fs::path& folder) {
   std::ifstream file(folder / "replay.json");
   const auto record = nlohmann::json::parse(file, nullptr, false);
@@ -233,6 +257,7 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
   addTracks(samples, frames);
+  keepNearest(options.max_boxes, frames, note);
   if (fs::exists(folder / "trajectory_odom.tum")) {
     io::visitTum(folder / "trajectory_odom.tum", [&](const Stamped<Pose>& pose) {
       const auto position = times.positionAt(pose.time);

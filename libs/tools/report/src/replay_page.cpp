@@ -36,6 +36,7 @@ struct PageLimits {
   int image_width = 448;  ///< [px]; about 15 kB each
   int image_quality = 65;
   std::size_t dense_points = 600000, landmarks = 60000;
+  std::size_t boxes = 20000, prediction_points = 80000;  ///< of all frames
 };
 constexpr PageLimits kLimits{};
 
@@ -135,6 +136,32 @@ Json frameJson(const ReplayFrame& frame, const TrackNumbers& numbers, Time start
           {"pose", poseJson(frame.T_map_robot)},
           {"states", states},
           {"predictions", predictions}};
+}
+
+/// Leaves out the predictions of the farthest tracks of each frame where there are too many.
+void keepNearestPredictions(std::vector<ReplayFrame>& frames, const Note& note) {
+  const auto pointsOf = [](const Track& track) {
+    std::size_t points = 0;
+    for (const auto& path : track.predictions) points += isMoving(track) ? path.points.size() : 0;
+    return points;
+  };
+  std::size_t all = 0, left_out = 0;
+  for (const auto& frame : frames) {
+    for (const auto& track : frame.tracks) all += pointsOf(track);
+  }
+  if (all <= kLimits.prediction_points) return;
+  for (auto& frame : frames) {
+    sortByDistance(frame);
+    std::size_t points = 0;
+    for (auto& track : frame.tracks) {
+      points += pointsOf(track);
+      if (points <= kLimits.prediction_points / frames.size() || pointsOf(track) == 0) continue;
+      track.predictions.clear();
+      ++left_out;
+    }
+  }
+  note("predictions of " + std::to_string(left_out) +
+       " boxes are left out: those of the nearest ones of each frame are shown");
 }
 
 Json classesJson() {
@@ -368,7 +395,9 @@ std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& opti
   reading.max_frames = kLimits.frames;
   reading.past_s = 0.0;
   reading.horizon_step_s = 0.5;
-  const auto frames = readReplayFrames(folder, reading, note);
+  reading.max_boxes = kLimits.boxes;
+  auto frames = readReplayFrames(folder, reading, note);
+  keepNearestPredictions(frames, note);
   ReplayTruth truth;
   if (!options.truth.empty()) truth = readReplayTruth(options.truth, frames, note);
   auto data = pageData(folder, frames, truth, options.keyframes);

@@ -29,6 +29,9 @@ struct ReplayFrame {
   std::optional<Pose> T_odom_robot;     ///< nullopt without trajectory_odom.tum
 };
 
+/// Sorts the tracks of a frame by their distance to the robot.
+void sortByDistance(ReplayFrame& frame);
+
 /// The recording of a replay.
 struct ReplayInput {
   std::string rawlog;        ///< empty if unknown
@@ -42,6 +45,8 @@ struct ReplayInput {
 struct ReplayFrameOptions {
   /// Of a longer replay every second, fourth, ... frame is read, so that memory is bounded.
   std::size_t max_frames = std::numeric_limits<std::size_t>::max();
+  /// Of more boxes, the nearest of each frame are read, which is noted.
+  std::size_t max_boxes = std::numeric_limits<std::size_t>::max();
   double past_s = 4.0;          ///< of each track's path, smoothed; 0: none [s]
   double horizon_step_s = 0.1;  ///< between the points of a prediction, a multiple of 0.1 s
 };
