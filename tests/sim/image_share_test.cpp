@@ -56,11 +56,11 @@ TEST_P(ImageShareTest, IsReachedFromTheFirstFrameOn) {
 
 INSTANTIATE_TEST_SUITE_P(Shares, ImageShareTest, ::testing::Values(0.1, 0.3, 0.5));
 
-TEST(CoverTest, PeopleCoverTheViewOfARobotInAHall) {
+TEST(CoverTest, PeopleCoverTheViewOfARobotOnACampus) {
   for (const double cover : {0.3, 0.6}) {
     SimParams params;
     applyRig("small", params.camera);
-    params.world.kind = WorldParams::Kind::kHall;
+    params.world.kind = WorldParams::Kind::kCampus;
     params.traffic.pedestrians = 0;
     params.traffic.vehicles = params.traffic.cyclists = 0;
     params.traffic.cover = cover;
