@@ -51,5 +51,43 @@ TEST(DisparityOffsetTest, IsBounded) {
   EXPECT_LE(offset.value(), 4.0);
 }
 
+/// A record after estimates of one offset.
+OffsetRecord recordOf(const OffsetEstimate& seen, int times) {
+  constexpr double kIndependent = 0.1;
+  OffsetRecord record;
+  for (int i = 0; i < times; ++i) record.add(seen, kIndependent);
+  return record;
+}
+
+TEST(OffsetRecordTest, IsCorrectedAsItIsSeenUntilItIsKnown) {
+  EXPECT_TRUE(OffsetRecord().isCorrected());
+  EXPECT_TRUE(recordOf({0.02, 0.1}, 3).isCorrected());
+  EXPECT_FALSE(recordOf({0.02, 0.02}, 50).isCorrected());
+}
+
+TEST(OffsetRecordTest, WhatCostsLessThanItsCorrectionIsLeft) {
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_FALSE(recordOf({sign * 1.3 * kOffsetModelSigma_px, 0.01}, 50).isCorrected());
+    EXPECT_TRUE(recordOf({sign * 2.0 * kOffsetModelSigma_px, 0.01}, 50).isCorrected());
+  }
+}
+
+TEST(OffsetRecordTest, ItsSigmaContainsTheErrorsOfTheModel) {
+  const auto estimate = recordOf({0.2, 0.01}, 100).estimate();
+  EXPECT_NEAR(estimate.px, 0.2, 1e-3);
+  EXPECT_GT(estimate.sigma_px, kOffsetModelSigma_px);
+  EXPECT_LT(estimate.sigma_px, 1.2 * kOffsetModelSigma_px);
+}
+
+TEST(OffsetRecordTest, AKnockStartsItAnewAndOneWrongEstimateDoesNot) {
+  OffsetRecord record = recordOf({0.0, 0.01}, 50);
+  record.add({0.6, 0.01}, 0.1);
+  EXPECT_NEAR(record.estimate().px, 0.0, 0.01);
+  record.add({0.0, 0.01}, 0.1);
+  for (int i = 0; i < 3; ++i) record.add({0.4, 0.01}, 0.1);
+  EXPECT_NEAR(record.estimate().px, 0.4, 0.01);
+  EXPECT_TRUE(record.isCorrected());
+}
+
 }  // namespace
 }  // namespace headway::stereo

@@ -35,6 +35,8 @@ class IdPositions {
   std::size_t next_ = 0;
 };
 
+constexpr double kFixed_px = 1e-3;  ///< walk of an offset that is not corrected
+
 /// Whether a measurement contradicts the pose and the position.
 bool isOutlier(const Pose& T_cam_map, const Eigen::Vector3d& position,
                stereo::StereoMeasurement measurement, double disparity_offset_px,
@@ -54,6 +56,10 @@ class DetachedBundle::Implementation {
                  const StereoCamera& camera)
       : camera_(camera), free_(free) {
     problem_.disparity_offset_px = map.disparityOffset();
+    if (!map.isOffsetCorrected()) {
+      problem_.disparity_offset_px = 0.0;
+      problem_.offset_walk_px = kFixed_px;
+    }
     collectPoses(collectPoints(map), map);
     collectMotions(map);
   }
@@ -178,7 +184,17 @@ class DetachedBundle::Implementation {
         landmark->position = problem_.points[i].position;
       }
     }
-    map.setDisparityOffset(problem_.disparity_offset_px);
+    map.adjustDisparityOffset(problem_.disparity_offset_px, solution_.free_offset, newRatio());
+  }
+
+  /// Ratio of the observations that no adjustment before had: those of the newest free pose.
+  [[nodiscard]] double newRatio() const {
+    const auto newest = std::find(problem_.is_fixed.rbegin(), problem_.is_fixed.rend(), false);
+    const auto pose = std::distance(newest, problem_.is_fixed.rend()) - 1;
+    const auto news = std::count_if(problem_.observations.begin(), problem_.observations.end(),
+                                    [&](const auto& one) { return one.pose == pose; });
+    return static_cast<double>(std::max<std::ptrdiff_t>(news, 1)) /
+           static_cast<double>(problem_.observations.size());
   }
 
   /// Keyframes that came while the bundle was solved, and the landmarks that came with them.

@@ -65,7 +65,6 @@ namespace {
 
 constexpr double kHuber = 2.0;  ///< residual above which the loss is linear [sigma]
 using stereo::kRectificationSigma_px;
-constexpr double kOffsetWalk = 0.05;  ///< change of the offset between two adjustments [px]
 
 using Matrix63 = Eigen::Matrix<double, 6, 3>;
 
@@ -98,8 +97,9 @@ std::vector<Pose> inverses(const std::vector<Pose>& poses) {
 
 double costOf(const BundleProblem& problem, const StereoCamera& camera, double previous_offset) {
   const auto cameras = inverses(problem.poses);
-  double sum = std::pow(problem.disparity_offset_px / kRectificationSigma_px, 2) +
-               std::pow((problem.disparity_offset_px - previous_offset) / kOffsetWalk, 2);
+  double sum =
+      std::pow(problem.disparity_offset_px / kRectificationSigma_px, 2) +
+      std::pow((problem.disparity_offset_px - previous_offset) / problem.offset_walk_px, 2);
   std::size_t next = 0;
   for (const BundleProblem::Point& point : problem.points) {
     for (; next < point.observations_end; ++next) {
@@ -191,7 +191,7 @@ bool BundleStep::compute(double radius) {
 
 std::optional<stereo::OffsetEstimate> BundleStep::freeOffset() {
   if (!compute(1e12)) return std::nullopt;  // undamped
-  const double relative = 1.0 / square(kOffsetWalk);
+  const double relative = 1.0 / square(problem_.offset_walk_px);
   const double information = system_.pivot() - 1.0 / square(kRectificationSigma_px) - relative;
   if (information < 1.0 / square(kRectificationSigma_px)) return std::nullopt;
   const double sum = system_.pivot() * (problem_.disparity_offset_px + step_offset_);
@@ -210,7 +210,7 @@ void BundleStep::setZero() {
 void BundleStep::addOffsetPrior() {
   const double offset = problem_.disparity_offset_px;
   const double absolute = 1.0 / (kRectificationSigma_px * kRectificationSigma_px);
-  const double relative = 1.0 / (kOffsetWalk * kOffsetWalk);
+  const double relative = 1.0 / square(problem_.offset_walk_px);
   diagonal_offset_ += absolute + relative;
   right_offset_ -= offset * absolute + (offset - previous_offset_) * relative;
 }

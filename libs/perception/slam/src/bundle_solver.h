@@ -43,6 +43,7 @@ struct BundleProblem {
   std::vector<Observation> observations;  ///< by point, then by pose
   std::vector<Motion> motions;
   double disparity_offset_px = 0.0;  ///< measured less true disparity, estimated as well
+  double offset_walk_px = 0.05;      ///< by which it changes from that of the adjustment before
 };
 
 /// How a solve went.

@@ -7,6 +7,7 @@
 #include <headway/core/stereo_camera.h>
 #include <headway/stereo/patch.h>
 #include <headway/stereo/pose_refiner.h>
+#include <headway/stereo/rectification.h>
 
 #include <Eigen/Core>
 #include <map>
@@ -160,7 +161,21 @@ class SparseMap {
   /// percents at small disparities. It is observable because near and far landmarks then disagree
   /// on the length of the camera's motion.
   [[nodiscard]] double disparityOffset() const { return disparity_offset_px_; }
-  void setDisparityOffset(double offset_px) { disparity_offset_px_ = offset_px; }
+  /// Forgets what adjustments have told about it.
+  void setDisparityOffset(double offset_px) {
+    disparity_offset_px_ = offset_px;
+    offset_record_ = {};
+  }
+  /// As an adjustment solved it, and what its observations alone tell, as OffsetRecord::add().
+  void adjustDisparityOffset(double offset_px, const std::optional<stereo::OffsetEstimate>& seen,
+                             double independent) {
+    disparity_offset_px_ = offset_px;
+    if (seen) offset_record_.add(*seen, independent);
+  }
+  /// Whether it is to be corrected: where the right camera proved to be turned, in any case.
+  [[nodiscard]] bool isOffsetCorrected() const {
+    return right_turn_.y() != 0.0 || offset_record_.isCorrected();
+  }
   /// The measurement without that offset.
   [[nodiscard]] stereo::StereoMeasurement corrected(stereo::StereoMeasurement measurement) const {
     measurement.disparity -= disparity_offset_px_;
@@ -195,6 +210,7 @@ class SparseMap {
   IdGroups changed_landmarks_;
   IdGroups changed_keyframes_;
   double disparity_offset_px_ = 0.0;
+  stereo::OffsetRecord offset_record_;
   Eigen::Vector3d right_turn_ = Eigen::Vector3d::Zero();
   std::int64_t next_landmark_ = 0;
   std::int64_t next_keyframe_ = 0;

@@ -20,7 +20,6 @@ struct OffsetParams {
   double followed_sigma_px = 1.0;  ///< of a corner's place after many frames, by drift of KLT
   double max_sigma_px = 0.5;       ///< of an expected disparity that tells the offset
   double max_residual = 3.0;       ///< of the evidence [standard deviations]
-  double walk_px = 0.01;           ///< from one estimate to the next: the mount flexes
   std::size_t corners = 200;       ///< for an estimate: a line needs near and far ones
 };
 constexpr OffsetParams kOffset;
@@ -301,11 +300,8 @@ void VisualOdometry::estimateOffset() {
     if (!fitted) return evidence_.clear();
     line = *fitted;
   }
-  offset_variance_px2_ += square(kOffset.walk_px);
-  const double gain = offset_variance_px2_ /
-                      (offset_variance_px2_ + line.offset_variance / stereo::kIndependentRatio);
-  offset_px_ += gain * (line.offset_px - offset_px_);
-  offset_variance_px2_ *= 1.0 - gain;
+  offset_record_.add({line.offset_px, std::sqrt(line.offset_variance)}, stereo::kIndependentRatio);
+  offset_px_ = is_turned_ || offset_record_.isCorrected() ? offset_record_.estimate().px : 0.0;
   evidence_.clear();
 }
 
@@ -365,7 +361,8 @@ void VisualOdometry::turnRightCamera(const Eigen::Vector3d& before, const Eigen:
   }
   evidence_.clear();
   offset_px_ = offset;
-  if (before.y() != now.y()) offset_variance_px2_ = square(stereo::kRectificationSigma_px);
+  if (before.y() != now.y()) offset_record_ = {};
+  is_turned_ = now.y() != 0.0;
 }
 
 /// Fills free cells with new corners, if a part of those that were there has been lost.

@@ -120,7 +120,8 @@ class VisualOdometry {
   Pose T_start_cam_ = Pose::Identity();  ///< of the last frame
   std::vector<Evidence> evidence_;       ///< since the last estimate of the offset
   double offset_px_ = 0.0;
-  double offset_variance_px2_ = square(stereo::kRectificationSigma_px);
+  stereo::OffsetRecord offset_record_;
+  bool is_turned_ = false;  ///< the right camera, in yaw: its offset is corrected in any case
 };
 
 }  // namespace headway::slam

@@ -17,7 +17,48 @@ namespace {
 constexpr double kWalk_px = 0.03;  ///< in 0.1 s: images of different instants differ in turns
 constexpr double kMaxOffset_px = 4.0;
 
+constexpr double kRecordWalk_px = 0.003;  ///< from one estimate to the next
+constexpr double kContradiction = 3.0;    ///< standard deviations
+constexpr int kRestart = 3;               ///< contradictions in a row
+
 }  // namespace
+
+void OffsetRecord::Gaussian::add(const OffsetEstimate& seen, double independent) {
+  variance += square(kRecordWalk_px);
+  const double gain = variance / (variance + square(seen.sigma_px) / independent);
+  px += gain * (seen.px - px);
+  variance *= 1.0 - gain;
+}
+
+bool OffsetRecord::Gaussian::contradicts(const OffsetEstimate& seen) const {
+  return square(seen.px - px) >
+         square(kContradiction) * (square(seen.sigma_px) + variance + square(kOffsetModelSigma_px));
+}
+
+void OffsetRecord::add(const OffsetEstimate& seen, double independent) {
+  if (!known_.contradicts(seen)) {
+    contradictions_ = 0;
+    return known_.add(seen, independent);
+  }
+  if (contradictions_ == 0 || contrary_.contradicts(seen)) {
+    contrary_ = Gaussian{};
+    contradictions_ = 0;
+  }
+  contrary_.add(seen, independent);
+  if (++contradictions_ < kRestart) return;
+  known_ = contrary_;
+  contradictions_ = 0;
+}
+
+OffsetEstimate OffsetRecord::estimate() const {
+  return {known_.px, std::hypot(std::sqrt(known_.variance), kOffsetModelSigma_px)};
+}
+
+bool OffsetRecord::isCorrected() const {
+  const bool is_known = known_.variance < square(kOffsetModelSigma_px);
+  const OffsetEstimate now = estimate();
+  return !is_known || square(now.px) > 2.0 * square(now.sigma_px);
+}
 
 void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points, double seconds) {
   if (static_points.empty()) return;
@@ -102,6 +143,10 @@ struct CorrectionParams {
   double changed_offset_px = 0.15;  ///< smaller changes of a correction are not applied: each
   double changed_rows_px = 0.1;     ///< one converts the map
 };
+
+/// What a focal length looks like that is off by 0.3 %, as those of calibrations are: part of what
+/// is said of an offset, not of its correction, which serves as well against it [px].
+constexpr double kOffsetByFocalLength_px = 0.1;
 
 constexpr RowParams kRows;
 constexpr CorrectionParams kCorrection;
@@ -328,9 +373,10 @@ std::string describe(const RectificationError& error, const StereoCamera& camera
   const Eigen::Vector3d significant = significantAngles(error, camera);
   std::string axes, disparities;
   if (error.disparities) {
-    disparities = formatted("; disparities %+.2f +- %.2f px, yaw %.3f +- %.3f deg",
-                            error.disparities->px, error.disparities->sigma_px,
-                            all.angles[kYaw] / kDegree, all.sigmas[kYaw] / kDegree);
+    const double sigma_px = std::hypot(error.disparities->sigma_px, kOffsetByFocalLength_px);
+    disparities =
+        formatted("; disparities %+.2f +- %.2f px, yaw %.3f +- %.3f deg", error.disparities->px,
+                  sigma_px, all.angles[kYaw] / kDegree, yawOfOffset(sigma_px, camera) / kDegree);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_visible = axis == kYaw ? isVisible(error.disparities) : significant[axis] != 0.0;

@@ -37,6 +37,41 @@ struct OffsetEstimate {
   double sigma_px = 0.0;  ///< of independent observations; always positive
 };
 
+/// Error that flexing and wrong matches leave in an offset of the disparities, however much is
+/// seen: standard deviation [px].
+inline constexpr double kOffsetModelSigma_px = 0.03;
+
+/// The offset of the disparities by all that a run has seen, and whether it is to be corrected.
+///
+/// Correcting an offset that is known to sigma leaves an error of sigma^2 in the mean, leaving it
+/// alone one of offset^2 - sigma^2: it is corrected where that is more. Before it is known, it is
+/// corrected as it is seen.
+class OffsetRecord {
+ public:
+  /// Adds an estimate; three in a row that contradict the record and agree with each other start
+  /// it anew, as after a knock at the camera.
+  ///
+  /// @param independent  ratio of the estimate's information that the record does not have yet
+  void add(const OffsetEstimate& seen, double independent);
+
+  /// With kOffsetModelSigma_px in its standard deviation.
+  [[nodiscard]] OffsetEstimate estimate() const;
+  [[nodiscard]] bool isCorrected() const;
+
+ private:
+  struct Gaussian {
+    double px = 0.0;
+    double variance = kRectificationSigma_px * kRectificationSigma_px;  ///< [px^2]
+
+    void add(const OffsetEstimate& seen, double independent);
+    /// Whether an estimate differs by more than both errors explain.
+    [[nodiscard]] bool contradicts(const OffsetEstimate& seen) const;
+  };
+  Gaussian known_;
+  Gaussian contrary_;  ///< by the latest estimates, which contradict what is known
+  int contradictions_ = 0;
+};
+
 /// Estimates the offset of the disparities, measured less true, where camera poses are known.
 ///
 /// Rectification that is off by a small angle, or images that were not taken at the same instant
