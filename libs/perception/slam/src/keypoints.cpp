@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <opencv2/core/hal/hal.hpp>
 #include <opencv2/features2d.hpp>
 #include <optional>
@@ -130,15 +131,21 @@ cv::Mat rowsOf(const std::vector<Descriptor>& descriptors) {
 }
 
 /// For each row of `from` its nearest in `to` if that is near and clearly nearest, else -1.
-std::vector<int> clearlyNearest(const cv::Mat& from, const cv::Mat& to) {
+///
+/// @param are_one  whether two rows of `to` are of one corner, which do not compete
+std::vector<int> clearlyNearest(const cv::Mat& from, const cv::Mat& to,
+                                const std::function<bool(int, int)>& are_one) {
   constexpr float kRatio = 0.8F;  ///< Lowe 2004, fig. 11: rejects 90 % of the wrong matches
   std::vector<std::vector<cv::DMatch>> matches;
-  cv::BFMatcher(cv::NORM_HAMMING).knnMatch(from, to, matches, 2);
+  cv::BFMatcher(cv::NORM_HAMMING).knnMatch(from, to, matches, 6);  // a few are of one corner
   std::vector<int> nearest(static_cast<std::size_t>(from.rows), -1);
-  for (const auto& pair : matches) {
-    if (pair.empty() || pair[0].distance > kMaxDescriptorDistance) continue;
-    if (pair.size() > 1 && pair[0].distance > kRatio * pair[1].distance) continue;
-    nearest[static_cast<std::size_t>(pair[0].queryIdx)] = pair[0].trainIdx;
+  for (const auto& near : matches) {
+    if (near.empty() || near[0].distance > kMaxDescriptorDistance) continue;
+    const auto other = std::find_if(near.begin() + 1, near.end(), [&](const cv::DMatch& match) {
+      return !are_one(near[0].trainIdx, match.trainIdx);
+    });
+    if (other != near.end() && near[0].distance > kRatio * other->distance) continue;
+    nearest[static_cast<std::size_t>(near[0].queryIdx)] = near[0].trainIdx;
   }
   return nearest;
 }
@@ -213,16 +220,17 @@ int distance(const Descriptor& a, const Descriptor& b) {
 }
 
 std::vector<std::pair<int, int>> matchDescriptors(const std::vector<Descriptor>& a,
-                                                  const std::vector<Descriptor>& b) {
+                                                  const std::vector<Descriptor>& b,
+                                                  const SameCorner& are_one) {
   std::vector<std::pair<int, int>> pairs;
   if (a.empty() || b.empty()) return pairs;
-  const auto forward = clearlyNearest(rowsOf(a), rowsOf(b));
-  const auto backward = clearlyNearest(rowsOf(b), rowsOf(a));
+  const auto forward = clearlyNearest(rowsOf(a), rowsOf(b), are_one.in_b);
+  const auto backward = clearlyNearest(rowsOf(b), rowsOf(a), are_one.in_a);
   for (std::size_t i = 0; i < forward.size(); ++i) {
-    if (forward[i] < 0 || backward[static_cast<std::size_t>(forward[i])] != static_cast<int>(i)) {
-      continue;
-    }
-    pairs.emplace_back(static_cast<int>(i), forward[i]);
+    if (forward[i] < 0) continue;
+    const int at = static_cast<int>(i);
+    const int back = backward[static_cast<std::size_t>(forward[i])];
+    if (back == at || (back >= 0 && are_one.in_a(back, at))) pairs.emplace_back(at, forward[i]);
   }
   return pairs;
 }

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -76,10 +77,17 @@ struct DescribedPoint {
 /// Bits in which two views of one corner differ at most, of 256: of unrelated ones half differ.
 inline constexpr int kMaxDescriptorDistance = 64;
 
+/// Which descriptors, by their indices, are of one corner: these do not compete with each other.
+struct SameCorner {
+  std::function<bool(int, int)> in_a = [](int, int) { return false; };
+  std::function<bool(int, int)> in_b = [](int, int) { return false; };
+};
+
 /// Index pairs (a, b) of descriptors that are each other's clearly nearest.
 ///
 /// @see Lowe 2004, sec. 7.1 (ratio of the nearest to the second nearest)
 [[nodiscard]] std::vector<std::pair<int, int>> matchDescriptors(const std::vector<Descriptor>& a,
-                                                                const std::vector<Descriptor>& b);
+                                                                const std::vector<Descriptor>& b,
+                                                                const SameCorner& are_one = {});
 
 }  // namespace headway::slam

@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <future>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <unordered_map>
+#include <utility>
 
+#include "place_check.h"
 #include "place_recognition.h"
 #include "wheel_odometry.h"
 
@@ -196,34 +200,66 @@ void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
   index_.add(keyframe, descriptorsOf(keyframe, map));
 }
 
-std::optional<TrackedPose> LoopCloser::locate(const TrackingFrame& frame,
-                                              const std::optional<Pose>& expected, SparseMap& map,
-                                              KeyframeId* keyframe) const {
-  constexpr int kCandidates = 5;
+std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
+                                                const std::optional<Pose>& expected,
+                                                SparseMap& map) const {
   constexpr double kNear_m = 5.0;  ///< a place given by hand and the way to the next keyframe
   const auto points = describe(frame);
-  const auto descriptors = descriptorsOf(points);
-  std::vector<PlaceMatch> matches;
+  const auto isNearExpected = [&](KeyframeId id) {
+    const Pose T_expected_key = expected->inverse(Eigen::Isometry) * map.keyframe(id).T_map_cam;
+    return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
+  };
   if (expected) {
-    matches = index_.query(descriptors, kCandidates, [&](KeyframeId id) {
-      const Pose T_expected_key = expected->inverse(Eigen::Isometry) * map.keyframe(id).T_map_cam;
-      return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
-    });
+    auto located = mostEvident(frame, points, isNearExpected, map);
+    if (located) return located;
   }
-  const auto anywhere =
-      index_.query(descriptors, kCandidates, [](KeyframeId /*id*/) { return true; });
-  matches.insert(matches.end(), anywhere.begin(), anywhere.end());
-  for (const auto& match : matches) {
-    const auto among = map.seenBy(map.neighbourhood(match.keyframe, params_.window));
-    // Few matches suffice: the pose is verified by measuring patches from there.
-    const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 2).T_map_cam;
-    if (!initial) continue;
-    auto tracked = tracker_.measureLocalMap(frame, *initial, among, map, params_.min_inliers);
-    if (!tracked) continue;
-    *keyframe = match.keyframe;
-    return tracked;
+  auto located = mostEvident(
+      frame, points, [](KeyframeId /*id*/) { return true; }, map);
+  if (!located) return std::nullopt;
+  std::set<LandmarkId> here;
+  for (const TrackedLandmark& landmark : located->tracked.landmarks) here.insert(landmark.id);
+  const auto isElsewhere = [&](KeyframeId id) {
+    const auto& seen = map.keyframe(id).landmarks;
+    return std::count_if(seen.begin(), seen.end(), [&](LandmarkId landmark) {
+             return here.count(landmark) > 0;
+           }) < params_.min_inliers / 2;
+  };
+  const auto rival = mostEvident(frame, points, isElsewhere, map);
+  if (!rival) return located;
+  const Pose T_here_rival =
+      located->tracked.T_map_cam.inverse(Eigen::Isometry) * rival->tracked.T_map_cam;
+  const bool is_another = T_here_rival.translation().norm() > 1.0 || T_here_rival(2, 2) < 0.9;
+  if (is_another) located->evidence -= std::max(0, rival->evidence);
+  return located;
+}
+
+/// The place of a few keyframes that are most alike with most evidence, or the first one proven.
+std::optional<LocatedCamera> LoopCloser::mostEvident(const TrackingFrame& frame,
+                                                     const std::vector<DescribedPoint>& points,
+                                                     const std::function<bool(KeyframeId)>& wanted,
+                                                     SparseMap& map) const {
+  constexpr int kCandidates = 5;
+  std::optional<LocatedCamera> most;
+  for (const PlaceMatch& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
+    auto place = placeAt(match.keyframe, frame, points, map);
+    if (place && (!most || place->evidence > most->evidence)) most = std::move(place);
+    if (most && most->evidence >= kPlaceProof) break;
   }
-  return std::nullopt;
+  return most;
+}
+
+std::optional<LocatedCamera> LoopCloser::placeAt(KeyframeId keyframe, const TrackingFrame& frame,
+                                                 const std::vector<DescribedPoint>& points,
+                                                 SparseMap& map) const {
+  const auto among = map.seenBy(map.neighbourhood(keyframe, params_.window));
+  // Few matches suffice: the pose is verified by measuring patches from there.
+  const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 3).T_map_cam;
+  if (!initial) return std::nullopt;
+  auto tracked = tracker_.measureLocalMap(frame, *initial, among, map, params_.min_inliers);
+  if (!tracked) return std::nullopt;
+  const int evidence = evidenceOf(*tracked, map.keyframe(keyframe).landmarks, frame, map, camera_,
+                                  matcherFor(camera_, params_));
+  return LocatedCamera{std::move(*tracked), keyframe, evidence};
 }
 
 std::vector<KeyframeId> LoopCloser::findLoopCandidates(KeyframeId newest,
@@ -259,6 +295,7 @@ LoopCandidate LoopCloser::candidateOf(KeyframeId newest, KeyframeId old,
   candidate.T_map_newest = map.keyframe(newest).T_map_cam;
   candidate.T_map_old = map.keyframe(old).T_map_cam;
   candidate.among = map.seenBy(map.neighbourhood(old, params_.window));
+  candidate.expected = map.keyframe(old).landmarks;
   candidate.offset_allowed_m = allowedOffset(newest, old, map);
   return candidate;
 }
@@ -282,6 +319,12 @@ std::optional<ClosedLoop> LoopCloser::verify(const TrackingFrame& frame,
   attempt.offset_allowed_m = candidate.offset_allowed_m;
   attempt.outcome = LoopOutcome::kTooFarOff;
   if (attempt.offset_m > attempt.offset_allowed_m) return std::nullopt;
+  attempt.outcome = LoopOutcome::kTooFewInliers;
+  const auto isProven = [&] {
+    return evidenceOf(*seen_from, candidate.expected, frame, map, camera_,
+                      matcherFor(camera_, params_)) >= kPlaceProof;
+  };
+  if (std::isinf(attempt.offset_allowed_m) && !isProven()) return std::nullopt;
   attempt.outcome = LoopOutcome::kClosed;
   return ClosedLoop{attempt.keyframe, attempt.candidate,
                     candidate.T_map_old.inverse(Eigen::Isometry) * seen_from->T_map_cam,

@@ -8,6 +8,7 @@
 #include <headway/slam/stereo_slam.h>
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -73,8 +74,16 @@ struct LoopCandidate {
   LoopAttempt attempt;
   Pose T_map_newest = Pose::Identity();  ///< camera
   Pose T_map_old = Pose::Identity();     ///< camera
-  std::vector<LandmarkId> among;  ///< landmarks of the old keyframe's surroundings, ascending
-  double offset_allowed_m = 0.0;  ///< maximum drift between both
+  std::vector<LandmarkId> among;     ///< landmarks of the old keyframe's surroundings, ascending
+  std::vector<LandmarkId> expected;  ///< those that the old keyframe itself sees
+  double offset_allowed_m = 0.0;     ///< maximum drift between both
+};
+
+/// Where a frame may have been taken.
+struct LocatedCamera {
+  TrackedPose tracked;
+  KeyframeId keyframe;  ///< that it was recognised by
+  int evidence = 0;     ///< as evidenceOf(), less that of the place that is alike most
 };
 
 /// Result of the background search that ended before a frame.
@@ -100,13 +109,14 @@ class LoopCloser {
   void index(KeyframeId keyframe, const SparseMap& map);
   void remove(KeyframeId keyframe) { index_.remove(keyframe); }
 
-  /// Relocalises a frame in the whole map, without a predicted pose.
+  /// Where in the whole map a frame was taken, without a predicted pose; how far that may be
+  /// believed is PlaceCheck's matter.
   ///
-  /// @param expected  camera: keyframes near it that look the same way are tried first
-  /// @param keyframe  set to the keyframe that it was recognised by
-  [[nodiscard]] std::optional<TrackedPose> locate(const TrackingFrame& frame,
-                                                  const std::optional<Pose>& expected,
-                                                  SparseMap& map, KeyframeId* keyframe) const;
+  /// @param expected  camera: keyframes near it that look the same way are tried first, others only
+  ///                  if none of them fits
+  [[nodiscard]] std::optional<LocatedCamera> locate(const TrackingFrame& frame,
+                                                    const std::optional<Pose>& expected,
+                                                    SparseMap& map) const;
 
   /// Searches for a loop at a new keyframe and, where one is verified, corrects the whole map.
   ///
@@ -141,6 +151,13 @@ class LoopCloser {
   struct Search;
 
   [[nodiscard]] static std::vector<DescribedPoint> describe(const TrackingFrame& frame);
+  [[nodiscard]] std::optional<LocatedCamera> mostEvident(
+      const TrackingFrame& frame, const std::vector<DescribedPoint>& points,
+      const std::function<bool(KeyframeId)>& wanted, SparseMap& map) const;
+  [[nodiscard]] std::optional<LocatedCamera> placeAt(KeyframeId keyframe,
+                                                     const TrackingFrame& frame,
+                                                     const std::vector<DescribedPoint>& points,
+                                                     SparseMap& map) const;
   /// Old keyframes within drift distance of the newest one or of unknown distance, ascending.
   [[nodiscard]] std::vector<KeyframeId> findLoopCandidates(KeyframeId newest,
                                                            const SparseMap& map) const;

@@ -133,6 +133,8 @@ Recognition relocalise(const std::vector<DescribedPoint>& points,
                        const StereoCamera& camera, int min_inliers) {
   constexpr int kFewest = 6;    ///< that are called a consensus at all
   constexpr int kTries = 1000;  ///< seen from elsewhere, few descriptors are matched rightly
+  constexpr double kOneCorner_px = 4.0;
+  constexpr double kOneCorner_m = 0.1;
   std::vector<Descriptor> known;
   std::vector<const Landmark*> landmarks;
   for (const LandmarkId id : among) {
@@ -141,8 +143,18 @@ Recognition relocalise(const std::vector<DescribedPoint>& points,
     known.push_back(landmark->descriptor);
     landmarks.push_back(landmark);
   }
+  SameCorner are_one;
+  are_one.in_a = [&](int i, int j) {
+    return (points[static_cast<std::size_t>(i)].uv - points[static_cast<std::size_t>(j)].uv)
+               .norm() < kOneCorner_px;
+  };
+  are_one.in_b = [&](int i, int j) {
+    return (landmarks[static_cast<std::size_t>(i)]->position -
+            landmarks[static_cast<std::size_t>(j)]->position)
+               .norm() < kOneCorner_m;
+  };
   std::vector<stereo::PoseConstraint> constraints;
-  for (const auto& [at, landmark] : matchDescriptors(descriptorsOf(points), known)) {
+  for (const auto& [at, landmark] : matchDescriptors(descriptorsOf(points), known, are_one)) {
     stereo::PoseConstraint constraint;
     constraint.point_map = landmarks[static_cast<std::size_t>(landmark)]->position;
     constraint.measurement.uv = points[static_cast<std::size_t>(at)].uv;

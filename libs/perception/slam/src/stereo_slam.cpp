@@ -25,6 +25,7 @@
 #include "loop_closer.h"
 #include "map_archive.h"
 #include "motion_model.h"
+#include "place_check.h"
 #include "sparse_map.h"
 #include "visual_odometry.h"
 #include "wheel_odometry.h"
@@ -221,16 +222,41 @@ class StereoSlam::Implementation {
       tracked = tracker_.track(previous_, seen_before_, without_boxes, proposed, initial_poses,
                                local_landmarks_, active_submap_.isNew(rate_), map_);
     }
-    KeyframeId recognised;
-    const bool is_followed = tracked.has_value();
-    if (!is_followed) tracked = loops_.locate(current, expected_, map_, &recognised);
-    if (!tracked) return std::nullopt;
-    expected_.reset();
-    if (is_followed) return tracked;
+    const auto isLed = [&](const Pose& T_map_cam) {
+      return isNear(initial_poses.front(), T_map_cam) || (proposed && isNear(*proposed, T_map_cam));
+    };
+    if (tracked && (lost_in_a_row_ == 0 || isLed(tracked->T_map_cam))) return found(tracked);
+    auto located = loops_.locate(current, expected_, map_);
+    if (!located) return std::nullopt;
+    const Pose T_odom_cam =
+        motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
+    const Pose& T_map_cam = located->tracked.T_map_cam;
+    if (!isLed(T_map_cam) &&
+        !place_check_.add(current.time, located->evidence, T_map_cam, T_odom_cam)) {
+      return std::nullopt;
+    }
     relocalised_ = true;
-    setReferenceKeyframe(recognised);
-    active_submap_.relocaliseAt(recognised);
+    setReferenceKeyframe(located->keyframe);
+    active_submap_.relocaliseAt(located->keyframe);
+    return found(std::move(located->tracked));
+  }
+
+  /// The camera need not be searched for any longer.
+  std::optional<TrackedPose> found(std::optional<TrackedPose> tracked) {
+    place_check_.restart();
+    expected_.reset();
     return tracked;
+  }
+
+  /// Whether a lost camera is found where odometry leads, which is known well enough that no place
+  /// that looks alike can be meant.
+  [[nodiscard]] bool isNear(const Pose& predicted, const Pose& T_map_cam) const {
+    constexpr double kNear = 1.0;  ///< less than half a bay of racks [m]
+    if (!reference_) return false;
+    const PoseCovariance of_way = covariance_ - covariance_when_tracked_;
+    const Pose T_predicted_cam = predicted.inverse(Eigen::Isometry) * T_map_cam;
+    return of_way.diagonal().head<3>().maxCoeff() < square(1.5 * kNear) &&
+           T_predicted_cam.translation().norm() < kNear && T_predicted_cam(2, 2) > 0.8;
   }
 
   /// The robot's first pose: upright as it is mounted, or as gravity tells where it is not.
@@ -642,6 +668,7 @@ class StereoSlam::Implementation {
   Time last_tracked_ = 0.0;        ///< time of that frame [s]
   bool turns_known_ = false;       ///< by the gyroscope, in every frame since then
   ActiveSubmap active_submap_;
+  PlaceCheck place_check_;
   std::optional<Pose> expected_;  ///< of the camera, until it is tracked
   int lost_in_a_row_ = 0;
   double lost_s_ = 0.0;  ///< in these frames

@@ -89,7 +89,7 @@ enum class ImuStatus {
 enum class LoopOutcome {
   kClosed,         ///< the map was corrected
   kNotRecognised,  ///< too few descriptors agree on a pose
-  kTooFewInliers,  ///< too few of its landmarks are measured here
+  kTooFewInliers,  ///< too few of its landmarks are measured here, or too many are missing
   kTooFarOff,      ///< it lies farther off than drift explains
 };
 

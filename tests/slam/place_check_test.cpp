@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When a place that was recognised without odometry is believed.
+#include "place_check.h"
+
+#include <gtest/gtest.h>
+#include <headway/slam/stereo_slam.h>
+#include <headway_test/textured_world.h>
+
+namespace headway::slam {
+namespace {
+
+constexpr double kRepeated_m = 10.24;  ///< after which the texture of a test's world repeats [m]
+
+Pose shiftedTo(double x) {
+  Pose pose = Pose::Identity();
+  pose.translation().x() = x;
+  return pose;
+}
+
+/// A map of landmarks all over a view, 10 columns and 8 rows of them, each in a cell of its own.
+class EvidenceTest : public testing::Test {
+ protected:
+  EvidenceTest() {
+    const KeyframeId keyframe = map_.addKeyframe(0, 0.0, Pose::Identity()).id;
+    for (int i = 0; i < 80; ++i) {
+      TrackedLandmark landmark;
+      landmark.measurement.uv = {25.0 + 30.0 * (i % 10), 10.0 + 30.0 * (i / 10)};
+      const Eigen::Vector3d uvd(landmark.measurement.uv.x(), landmark.measurement.uv.y(), 20.0);
+      landmark.id = map_.addLandmark(*triangulate(uvd, camera_), keyframe, landmark.measurement).id;
+      expected_.push_back(landmark.id);
+      all_.landmarks.push_back(landmark);
+    }
+    frame_.right.disparities = cv::Mat(240, 320, CV_32F, cv::Scalar(20.0F));
+  }
+
+  /// With the first landmarks found again, the others not.
+  [[nodiscard]] int evidenceWith(int found) const {
+    TrackedPose seen;
+    seen.landmarks.assign(all_.landmarks.begin(), all_.landmarks.begin() + found);
+    return evidenceOf(seen, expected_, frame_, map_, camera_, matcherFor(camera_, SlamParams()));
+  }
+
+  StereoCamera camera_ = test::smallCamera();
+  SparseMap map_;
+  TrackedPose all_;
+  std::vector<LandmarkId> expected_;
+  TrackingFrame frame_;
+};
+
+TEST_F(EvidenceTest, CountsWhatIsFoundLessWhatIsMissing) {
+  EXPECT_EQ(80, evidenceWith(80));
+  EXPECT_EQ(0, evidenceWith(40));
+  EXPECT_EQ(-80, evidenceWith(0));
+}
+
+TEST_F(EvidenceTest, WhatPeopleStandBeforeIsNotMissing) {
+  frame_.right.disparities(cv::Rect(0, 120, 320, 120)).setTo(60.0F);
+  EXPECT_EQ(40, evidenceWith(40)) << "the upper half is found, something nearer is below";
+  frame_.right.disparities(cv::Rect(0, 120, 320, 120)).setTo(10.0F);
+  EXPECT_EQ(0, evidenceWith(40)) << "one sees farther than the map";
+}
+
+TEST_F(EvidenceTest, CountsLandmarksOfOneCellOnce) {
+  for (TrackedLandmark& landmark : all_.landmarks) landmark.measurement.uv = {25.0, 10.0};
+  EXPECT_EQ(1 - 79, evidenceWith(80)) << "a poster";
+}
+
+TEST(PlaceCheckTest, AProofIsBelievedAtOnce) {
+  PlaceCheck check;
+  EXPECT_TRUE(check.add(1.0, kPlaceProof, shiftedTo(5.0), shiftedTo(0.0)));
+}
+
+TEST(PlaceCheckTest, WeakEvidenceIsBelievedWhenItHasAgreedWithOdometryForAFifthOfASecond) {
+  constexpr int kWeak = kPlaceProof - 1;
+  PlaceCheck check;
+  EXPECT_FALSE(check.add(1.0, kWeak, shiftedTo(5.0), shiftedTo(0.0)));
+  EXPECT_FALSE(check.add(1.1, kWeak, shiftedTo(5.1), shiftedTo(0.1)));
+  EXPECT_TRUE(check.add(1.2, kWeak, shiftedTo(5.2), shiftedTo(0.2)));
+  EXPECT_FALSE(check.add(1.3, kWeak, shiftedTo(8.0), shiftedTo(0.3))) << "elsewhere";
+  EXPECT_FALSE(check.add(1.4, kWeak, shiftedTo(5.4), shiftedTo(0.4))) << "there and back";
+  EXPECT_FALSE(check.add(1.5, kWeak, shiftedTo(5.5), shiftedTo(0.5)));
+  EXPECT_TRUE(check.add(1.6, kWeak, shiftedTo(5.6), shiftedTo(0.6)));
+  EXPECT_FALSE(check.add(9.0, kWeak, shiftedTo(5.6), shiftedTo(0.6))) << "long ago";
+}
+
+TEST(PlaceCheckTest, LittleEvidenceIsNeverBelieved) {
+  PlaceCheck check;
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_FALSE(check.add(0.1 * i, kPlaceProof / 4, shiftedTo(0.1 * i), shiftedTo(0.1 * i)));
+  }
+}
+
+/// A wall that repeats itself, with a shelf before it.
+test::TexturedWorld repeatedWall() {
+  test::TexturedWorld world(test::smallCamera());
+  world.boards.push_back({{-20.0, -5.0, 2.0}, {1, 0, 0}, {0, 1, 0}, 60.0, 10.0, {0.0, 0.0}});
+  world.boards.push_back({{-20.0, 0.3, 1.4}, {1, 0, 0}, {0, 1, 0}, 60.0, 0.4, {1.0, 2.0}});
+  return world;
+}
+
+/// How many of 6 frames are tracked of a camera that stands where a map begins which ends so far
+/// on.
+int trackedInMapTo(double end) {
+  const auto world = repeatedWall();
+  SlamParams params;
+  params.features = 300;
+  StereoSlam mapper(world.camera(), params);
+  std::size_t frame = 0;
+  for (double x = 0.0; x < end; x += 0.1, ++frame) {
+    const Time time = 0.1 * static_cast<double>(frame);
+    EXPECT_EQ(TrackingStatus::kTracked,
+              mapper.process(world.frame(frame, time, shiftedTo(x)), {}).status);
+  }
+  params.mapping = false;
+  StereoSlam slam(world.camera(), params);
+  slam.load(mapper.save());
+  int tracked = 0;
+  for (int i = 0; i < 6; ++i) {
+    const auto update = slam.process(world.frame(0, 900.0 + 0.1 * i, shiftedTo(0.6)), {});
+    if (!isTracked(update.status)) continue;
+    ++tracked;
+    EXPECT_LT((update.T_map_robot.translation() - shiftedTo(0.6).translation()).norm(), 0.05);
+  }
+  return tracked;
+}
+
+TEST(PlaceCheckTest, OfTwoPlacesThatAreAlikeNeitherIsBelieved) {
+  EXPECT_EQ(6, trackedInMapTo(3.0));
+  EXPECT_EQ(0, trackedInMapTo(kRepeated_m + 3.0));
+}
+
+}  // namespace
+}  // namespace headway::slam
