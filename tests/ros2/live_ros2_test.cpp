@@ -199,6 +199,7 @@ class RobotDriveTest : public ::testing::Test {
     FastDdsPeer peer(domain), other(domain);
     test::Robot robot(peer, streetRawlog());
     audience_ = std::make_unique<Audience>(peer);
+    const test::Results results(peer);
     Recorder recorder(other, at("messages.txt"));
     topics_ = recorder.topics();
     std::ofstream(at("ros2.ini"))
@@ -209,7 +210,8 @@ class RobotDriveTest : public ::testing::Test {
     ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
     EXPECT_THAT(live.output(), HasSubstr("ROS 2 domain " + std::to_string(domain) + " on lo"));
     const std::atomic<bool> stop{false};
-    sent_ = robot.play(0.5, stop, kFrames);
+    robot.on_frame = [&](Time time, double) { results.await(time); };
+    sent_ = robot.play(1.0, stop, {0, kFrames});
     EXPECT_TRUE(waitUntil([&] { return audience_->count("/headway/odometry") + 3 >= sent_ / 2; }));
     EXPECT_TRUE(waitUntil([&] { return audience_->count("/headway/dense_map") > 0; }));
     EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
@@ -397,6 +399,8 @@ TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
     place.pose().pose().position().x(kRepeat_m + 1.0);
     place.pose().pose().orientation().w(1.0);
     EXPECT_TRUE(!is_message || initial->write(&place));
+    const test::Results results(peer_);
+    robot.on_frame = [&](Time time, double) { results.await(time); };
     (void)robot.play(2.0, stop_);
     EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
     EXPECT_TRUE(waitUntil([&] { return !robot.isWatched() && initial->matched() == 0; }));

@@ -6,6 +6,7 @@
 #include <headway/core/recorded_frame.h>
 #include <headway/io/detection_observation.h>
 #include <headway/io/mrpt_time.h>
+#include <headway_test/waiting.h>
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservation3DRangeScan.h>
@@ -125,21 +126,26 @@ class Robot::Implementation {
     return watched >= 2;
   }
 
-  std::size_t play(double factor, const std::atomic<bool>& stop, std::size_t max_frames) {
+  std::size_t play(double factor, const std::atomic<bool>& stop, const Part& part) {
     std::optional<Time> first;
     double start_s = 0.0;
-    std::size_t frames = 0;
+    std::size_t frame = 0, sent = 0;
     forEach([&](const CObservation& observation) {
+      const bool is_frame = isFrame(observation);
+      if (is_frame && frame == part.end) return false;
+      if (is_frame) ++frame;
+      if (part.first > 0 && frame <= part.first) return !stop;
       const Time recorded = io::timeFrom(observation.timestamp);
       if (!first) start_s = monotonicSeconds();
       if (!first) first = recorded;
       while (!stop && monotonicSeconds() - start_s < (recorded - *first) / factor) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
-      if (send(observation, recorded + shift_s_)) ++frames;
-      return !stop && frames < max_frames;
+      send(observation, recorded + shift_s_ + part.shift_s);
+      if (is_frame) ++sent;
+      return !stop;
     });
-    return frames;
+    return sent;
   }
 
   std::map<std::string, std::size_t> sent;
@@ -172,15 +178,17 @@ class Robot::Implementation {
     write("/tf_static", transforms_);
   }
 
-  /// @return whether it is a frame
-  bool send(const CObservation& observation, Time time) {
+  static bool isFrame(const CObservation& observation) {
+    return dynamic_cast<const CObservationStereoImages*>(&observation) != nullptr ||
+           dynamic_cast<const CObservation3DRangeScan*>(&observation) != nullptr;
+  }
+
+  void send(const CObservation& observation, Time time) {
     if (const auto* stereo = dynamic_cast<const CObservationStereoImages*>(&observation)) {
       sendStereo(*stereo, time);
-      return true;
     }
     if (const auto* depth = dynamic_cast<const CObservation3DRangeScan*>(&observation)) {
       sendDepth(*depth, time);
-      return true;
     }
     if (const auto* imu = dynamic_cast<const CObservationIMU*>(&observation)) sendImu(*imu, time);
     if (const auto* wheels = dynamic_cast<const CObservationOdometry*>(&observation)) {
@@ -190,7 +198,6 @@ class Robot::Implementation {
       sendScan(*scan, time);
     }
     if (const auto* fix = dynamic_cast<const CObservationGPS*>(&observation)) sendFix(*fix, time);
-    return false;
   }
 
   void sendImage(const std::string& camera, const cv::Mat& image, Time time) {
@@ -334,10 +341,31 @@ Robot::~Robot() = default;
 
 bool Robot::isWatched() const { return implementation_->isWatched(); }
 
-std::size_t Robot::play(double factor, const std::atomic<bool>& stop, std::size_t max_frames) {
-  return implementation_->play(factor, stop, max_frames);
+std::size_t Robot::play(double factor, const std::atomic<bool>& stop, const Part& part) {
+  return implementation_->play(factor, stop, part);
 }
 
 const std::map<std::string, std::size_t>& Robot::sent() const { return implementation_->sent; }
+
+Results::Results(FastDdsPeer& peer)
+    : odometry_(peer.reader<nav_msgs::msg::dds_::Odometry_PubSubType>(
+          "rt/headway/odometry", {true, false, 1000}, [this](const auto& message) {
+            const auto& stamp = message.header().stamp();
+            const std::lock_guard lock(mutex_);
+            stamps_.insert(keyOf(stamp.sec() + 1e-9 * stamp.nanosec()));
+          })) {}
+
+std::set<long> Results::stamps() const {
+  const std::lock_guard lock(mutex_);
+  return stamps_;
+}
+
+void Results::await(Time time) const {
+  for (int poll = 0; stamps().empty(); ++poll) {
+    if (poll == 50) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  (void)waitUntil([&] { return stamps().count(keyOf(time)) > 0; });
+}
 
 }  // namespace headway::test

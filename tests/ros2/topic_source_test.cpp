@@ -14,6 +14,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -74,6 +75,12 @@ class TopicSourceTest : public ::testing::Test {
   std::vector<std::string> messages() {
     const std::lock_guard lock(mutex_);
     return messages_;
+  }
+
+  bool isSaid(const std::string& part) {
+    const auto all = messages();
+    return std::any_of(all.begin(), all.end(),
+                       [&](const auto& text) { return text.find(part) != std::string::npos; });
   }
 
   /// A rawlog of a camera with an inertial sensor, wheels and a laser.
@@ -232,7 +239,6 @@ TEST_F(TopicSourceTest, MalformedMessagesAreCountedAndNamedAndOthersStillUsed) {
   test::Robot robot(peer_, rawlog(20));
   start();
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); }));
-  FastDdsPeer other(domain_);
   const std::vector<std::pair<std::string, std::string>> topics = {
       {"/left/image", "sensor_msgs::msg::dds_::Image_"},
       {"/left/camera_info", "sensor_msgs::msg::dds_::CameraInfo_"},
@@ -240,18 +246,55 @@ TEST_F(TopicSourceTest, MalformedMessagesAreCountedAndNamedAndOthersStillUsed) {
       {"/odom", "nav_msgs::msg::dds_::Odometry_"},
       {"/scan", "sensor_msgs::msg::dds_::LaserScan_"},
       {"/tf", "tf2_msgs::msg::dds_::TFMessage_"}};
-  std::vector<std::unique_ptr<FastDdsPeer::Writer>> writers;
-  for (const auto& [topic, type] : topics) writers.push_back(other.bytesWriter("rt" + topic, type));
-  for (const auto& writer : writers) {
-    ASSERT_TRUE(waitUntil([&] { return writer->matched() > 0; }));
-  }
   std::mt19937 random(7);
-  for (int i = 0; i < 10000; ++i) {
+  const auto randomBytes = [&] {
     std::string bytes(4 + random() % 300, '\0');
     for (char& byte : bytes) byte = static_cast<char>(random());
-    if (i % 4 != 0) bytes.replace(0, 4, std::string("\0\1\0\0", 4));  // CDR with any contents
-    if (i % 8 == 1) bytes.replace(4, 12, std::string(12, '\xFF'));    // and absurd sizes
-    (void)writers[static_cast<std::size_t>(i) % writers.size()]->write(&bytes);
+    return bytes;
+  };
+  using Writers = std::vector<std::unique_ptr<FastDdsPeer::Writer>>;
+  const auto addWriters = [&](FastDdsPeer& peer, Writers& writers) {
+    for (const auto& [topic, type] : topics) {
+      writers.push_back(peer.bytesWriter("rt" + topic, type));
+    }
+    return waitUntil([&] {
+      return std::all_of(writers.begin(), writers.end(),
+                         [](const auto& writer) { return writer->matched() > 0; });
+    });
+  };
+  // Without a header of CDR: Cyclone DDS drops them.
+  FastDdsPeer other(domain_);
+  Writers headless;
+  ASSERT_TRUE(addWriters(other, headless));
+  EXPECT_TRUE(waitUntil([&] { return isSaid("/left/image has 2 publishers"); }));
+  for (std::size_t i = 0; i < 2500; ++i) {
+    std::string bytes = randomBytes();
+    (void)headless[i % headless.size()]->write(&bytes);
+  }
+  // CDR with any contents, some of absurd sizes. Writers keep 10: they wait for their reader.
+  FastDdsPeer another(domain_);
+  Writers writers;
+  ASSERT_TRUE(addWriters(another, writers));
+  const auto received = [&] {
+    std::size_t count = 0;
+    for (const auto& status : source_->status()) count += status.messages;
+    return count;
+  };
+  const auto write = [&](std::size_t i) {
+    std::string bytes = randomBytes().replace(0, 4, std::string("\0\1\0\0", 4));
+    if (i % 7 == 0) bytes.replace(4, 12, std::string(12, '\xFF'));
+    (void)writers[i % writers.size()]->write(&bytes);
+    return received();
+  };
+  for (std::size_t i = 0; i < writers.size(); ++i) {  // until they know each other
+    const auto before = received();
+    ASSERT_TRUE(waitUntil([&] { return write(i) > before; }));
+  }
+  const std::size_t before = received();
+  constexpr std::size_t kMessages = 7500;
+  for (std::size_t i = 0; i < kMessages; i += 30) {
+    for (std::size_t k = 0; k < 30; ++k) (void)write(i + k);
+    ASSERT_TRUE(waitUntil([&] { return received() >= before + i + 30; })) << i;
   }
   (void)robot.play(1.0, go_on_);
   EXPECT_TRUE(waitUntil([&] {
@@ -266,9 +309,8 @@ TEST_F(TopicSourceTest, MalformedMessagesAreCountedAndNamedAndOthersStillUsed) {
   EXPECT_THAT(skipped, Contains(Key("unreadable_tf2_msgs/TFMessage")));
   std::size_t unreadable = 0;
   for (const auto& [reason, number] : skipped) unreadable += reason[0] == 'u' ? number : 0;
-  EXPECT_GT(unreadable, 5000U);
+  EXPECT_GE(unreadable, kMessages);
   EXPECT_THAT(messages(), Contains(HasSubstr("unreadable_sensor_msgs/Image (/left/image: ")));
-  EXPECT_THAT(messages(), Contains(HasSubstr("/left/image has 2 publishers")));
   EXPECT_LT(messages().size(), 60U);  // not one for each
 }
 
@@ -283,53 +325,45 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   const auto imu = other.writer<dds::Imu_PubSubType>("rt/imu");
   const auto image = other.writer<dds::Image_PubSubType>("rt/right/image");
   const auto scan = other.writer<dds::LaserScan_PubSubType>("rt/scan");
-  for (const auto* writer : {imu.get(), image.get(), scan.get()}) {
-    ASSERT_TRUE(waitUntil([&] { return writer->matched() > 0; }));
-  }
+  // Each until it is counted: both sides keep the newest messages alone.
+  const auto isCounted = [&](const std::string& reason, const auto& write) {
+    return waitUntil([&] {
+      write();
+      return source_->skipped().count(reason) > 0;
+    });
+  };
   dds::Imu_ sample;
   sample.header().frame_id("imu");
   sample.angular_velocity().x(std::numeric_limits<double>::quiet_NaN());
-  imu->write(&sample);
-  sample.header().frame_id("nowhere");
+  EXPECT_TRUE(isCounted("imu_not_finite", [&] { imu->write(&sample); }));
   dds::Image_ picture;
+  const auto setSize = [&](std::uint32_t width, std::uint32_t height) {
+    picture.width(width);
+    picture.height(height);
+    picture.step(width);
+    picture.data().resize(std::size_t{width} * height);
+  };
   picture.encoding("mono8");
-  picture.width(64);
-  picture.height(48);
-  picture.step(64);
-  picture.data().resize(64UL * 48UL);
-  image->write(&picture);
-  picture.width(160);
-  picture.height(120);
-  picture.step(160);
-  picture.data().resize(160UL * 120UL);
-  for (int second = 900; second < 909; ++second) {  // without images of the left camera
-    picture.header().stamp().sec(second);
+  setSize(64, 48);
+  EXPECT_TRUE(isCounted("image_size", [&] { image->write(&picture); }));
+  setSize(160, 120);
+  picture.header().stamp().sec(900);
+  EXPECT_TRUE(isCounted("unpaired_image", [&] {  // without images of the left camera
+    picture.header().stamp().sec(picture.header().stamp().sec() + 1);
     image->write(&picture);
-  }
+  }));
   picture.encoding("16SC3");
-  image->write(&picture);
+  EXPECT_TRUE(isCounted("image_encoding_16SC3", [&] { image->write(&picture); }));
   picture.encoding("mono8");
   picture.width(4'000'000'000);
-  image->write(&picture);
+  EXPECT_TRUE(isCounted("broken_image", [&] { image->write(&picture); }));
   dds::LaserScan_ rays;
   rays.header().frame_id("laser");
   rays.angle_increment(std::numeric_limits<float>::infinity());
   rays.ranges().resize(3);
-  scan->write(&rays);
-  const std::vector<std::string> reasons = {"imu_not_finite", "image_size",
-                                            "unpaired_image", "image_encoding_16SC3",
-                                            "broken_image",   "broken_scan"};
-  for (const auto& reason : reasons) {
-    EXPECT_TRUE(waitUntil([&] { return source_->skipped().count(reason) > 0; })) << reason;
-  }
-  EXPECT_TRUE(waitUntil([&] {
-    for (const auto& message : messages()) {
-      if (message.find("/left/image is published as std_msgs/String, too") != std::string::npos) {
-        return true;
-      }
-    }
-    return false;
-  }));
+  EXPECT_TRUE(isCounted("broken_scan", [&] { scan->write(&rays); }));
+  EXPECT_TRUE(
+      waitUntil([&] { return isSaid("/left/image is published as std_msgs/String, too"); }));
 }
 
 TEST_F(TopicSourceTest, TheInitialPoseIsPassedOn) {
