@@ -366,6 +366,34 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
       waitUntil([&] { return isSaid("/left/image is published as std_msgs/String, too"); }));
 }
 
+TEST_F(TopicSourceTest, ReasonsThatMessagesInventAreBounded) {
+  test::Robot robot(peer_, rawlog(3));
+  start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); }));
+  const auto image = peer_.writer<dds::Image_PubSubType>("rt/left/image");
+  dds::Image_ picture;
+  picture.height(48);
+  picture.width(64);
+  picture.step(64);
+  picture.data().resize(64UL * 48UL);
+  std::size_t written = 0;
+  ASSERT_TRUE(waitUntil([&] {
+    for (int i = 0; i < 5; ++i) {  // fewer than both sides keep
+      picture.encoding(std::to_string(++written) + std::string(10000, 'x'));
+      image->write(&picture);
+    }
+    const auto skipped = source_->skipped();
+    const auto others = skipped.find("other_reasons");
+    return others != skipped.end() && others->second > 100;
+  }));
+  std::size_t bytes = 0;
+  const auto skipped = source_->skipped();
+  for (const auto& [reason, count] : skipped) bytes += reason.size();
+  EXPECT_LT(bytes, 50000U);
+  EXPECT_LT(skipped.size(), 250U);
+  EXPECT_LT(messages().size(), 250U);
+}
+
 TEST_F(TopicSourceTest, TheInitialPoseIsPassedOn) {
   start();
   const auto writer = peer_.writer<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(

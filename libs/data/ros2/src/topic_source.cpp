@@ -37,7 +37,8 @@ using bags::BagTopic;
 using bags::MessageHeader;
 using mrpt::obs::CObservation;
 
-constexpr double kPatience_s = 2.0;  // for transforms of all sensors, after the first image
+constexpr double kPatience_s = 2.0;       // for transforms of all sensors, after the first image
+constexpr std::size_t kMaxReasons = 200;  // said and counted one by one, of so many characters each
 
 constexpr char kTransforms[] = "/tf", kStaticTransforms[] = "/tf_static";
 constexpr char kNone[] = "none";  // of wishes
@@ -466,10 +467,12 @@ class TopicSource::Implementation {
 
   // What is wrong ----------------------------------------------------------------------------
 
-  void skip(const std::string& reason, const std::string& detail) {
+  void skip(std::string reason, const std::string& detail) {
+    reason.resize(std::min(reason.size(), kMaxReasons));  // it may contain a text of the message
     bool is_new = false;
     {
       const std::lock_guard lock(mutex_);
+      if (skipped_.count(reason) == 0 && skipped_.size() >= kMaxReasons) reason = "other_reasons";
       is_new = ++skipped_[reason] == 1;
     }
     if (is_new && reason != "before_calibration") {
@@ -479,7 +482,8 @@ class TopicSource::Implementation {
   }
 
   void say(const std::string& text) {
-    if (said_.insert(text).second && callbacks_.message) callbacks_.message("ROS 2: " + text);
+    if (said_.size() > kMaxReasons || !said_.insert(text).second) return;
+    if (callbacks_.message) callbacks_.message("ROS 2: " + text);
   }
 
   void setMissing(const std::string& text) {
