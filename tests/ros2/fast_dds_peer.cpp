@@ -142,7 +142,7 @@ class FastDdsPeer::Implementation {
     auto& builtin = qos.wire_protocol().builtin;
     builtin.metatrafficUnicastLocatorList.push_back(loopback);
     builtin.initialPeersList.push_back(loopback);
-    builtin.discovery_config.leaseDuration = {3, 0};
+    builtin.discovery_config.leaseDuration = {20, 0};
     builtin.discovery_config.leaseDuration_announcementperiod = {0, 200'000'000};
     participant_ = required(
         DomainParticipantFactory::get_instance()->create_participant(domain, qos), "participant");
