@@ -417,6 +417,30 @@ TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
   EXPECT_NEAR(placeOf("", true), kRepeat_m + 1.0, 0.3);
 }
 
+TEST_F(LiveRos2Test, TheTrajectoryIsAsGoodAsThatOfAReplay) {
+  const std::string rawlog = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall_loop";
+  const auto errorOf = [&](const std::string& folder) {
+    const auto run = test::runProcess(test::program("headway-eval") + " trajectory -q -w --truth " +
+                                      rawlog + ".truth/trajectory.tum --estimate " + folder +
+                                      "/trajectory.tum --json " + folder + "/error.json");
+    EXPECT_EQ(run.status, 0) << run.output;
+    return nlohmann::json::parse(std::ifstream(folder + "/error.json"))["ate_rmse_m"].get<double>();
+  };
+  const auto replay = test::runProcess(test::program("headway-replay") + " -q -i " + rawlog +
+                                       ".rawlog -o " + std::string(folder_ / "replay"));
+  ASSERT_EQ(replay.status, 0) << replay.output;
+  test::Robot robot(peer_, rawlog + ".rawlog");
+  const test::Results results(peer_);
+  robot.on_frame = [&](Time time, double) { results.await(time); };
+  LiveProgram live("--ros2 --left /left/image --right /right/image --ros2-interface lo -o " + out(),
+                   folder_.path().string(), domain_);
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
+  EXPECT_EQ(robot.play(1.0, stop_), 330U);
+  EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
+  EXPECT_GT(results.stamps().size(), 320U);  // the first ones came before both sides had met
+  EXPECT_LT(errorOf(out()), 1.1 * errorOf(folder_ / "replay"));
+}
+
 TEST_F(LiveRos2Test, ListsTopicsAndNamesMistakes) {
   test::Robot robot(peer_, streetRawlog());
   const auto run = [&](const std::string& arguments) {
