@@ -210,7 +210,7 @@ class RobotDriveTest : public ::testing::Test {
     ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
     EXPECT_THAT(live.output(), HasSubstr("ROS 2 domain " + std::to_string(domain) + " on lo"));
     const std::atomic<bool> stop{false};
-    robot.on_frame = [&](Time time, double) { results.await(time); };
+    robot.on_frame = [&](Time time) { results.await(time); };
     sent_ = robot.play(1.0, stop, {0, kFrames});
     EXPECT_TRUE(waitUntil([&] { return audience_->count("/headway/odometry") + 3 >= sent_ / 2; }));
     EXPECT_TRUE(waitUntil([&] { return audience_->count("/headway/dense_map") > 0; }));
@@ -400,7 +400,7 @@ TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
     place.pose().pose().orientation().w(1.0);
     EXPECT_TRUE(!is_message || initial->write(&place));
     const test::Results results(peer_);
-    robot.on_frame = [&](Time time, double) { results.await(time); };
+    robot.on_frame = [&](Time time) { results.await(time); };
     (void)robot.play(2.0, stop_);
     EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
     EXPECT_TRUE(waitUntil([&] { return !robot.isWatched() && initial->matched() == 0; }));
@@ -431,7 +431,7 @@ TEST_F(LiveRos2Test, TheTrajectoryIsAsGoodAsThatOfAReplay) {
   ASSERT_EQ(replay.status, 0) << replay.output;
   test::Robot robot(peer_, rawlog + ".rawlog");
   const test::Results results(peer_);
-  robot.on_frame = [&](Time time, double) { results.await(time); };
+  robot.on_frame = [&](Time time) { results.await(time); };
   LiveProgram live("--ros2 --left /left/image --right /right/image --ros2-interface lo -o " + out(),
                    folder_.path().string(), domain_);
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();

@@ -234,9 +234,10 @@ class Robot::Implementation {
               fromMrpt(mrpt::poses::CPose3D(pair.rightCameraPose)));
     sendInfo("/left", infoOf(pair.leftCamera, 0.0), time);
     sendInfo("/right", infoOf(pair.rightCamera, pair.rightCameraPose.x()), time);
+    if (robot_.before_frame) robot_.before_frame(time);
     sendImage("/left", pair.imageLeft.asCvMatRef(), time);
     sendImage("/right", pair.imageRight.asCvMatRef(), time);
-    if (robot_.on_frame) robot_.on_frame(time, monotonicSeconds());
+    if (robot_.on_frame) robot_.on_frame(time);
   }
 
   void sendDepth(const CObservation3DRangeScan& scan, Time time) {
@@ -252,9 +253,10 @@ class Robot::Implementation {
     cv::Mat(static_cast<int>(scan.rangeImage.rows()), static_cast<int>(scan.rangeImage.cols()),
             CV_16UC1, const_cast<std::uint16_t*>(scan.rangeImage.data()))
         .convertTo(depth, CV_16U, 1e3 * scan.rangeUnits);
+    if (robot_.before_frame) robot_.before_frame(time);
     sendImage("/color", scan.intensityImage.asCvMatRef(), time);
     sendImage("/depth", depth, time);
-    if (robot_.on_frame) robot_.on_frame(time, monotonicSeconds());
+    if (robot_.on_frame) robot_.on_frame(time);
   }
 
   void sendImu(const CObservationIMU& imu, Time time) {

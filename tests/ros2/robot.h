@@ -41,8 +41,8 @@ class Robot {
   std::size_t play(double factor, const std::atomic<bool>& stop, const Part& part = {});
   /// Messages sent by topic.
   [[nodiscard]] const std::map<std::string, std::size_t>& sent() const;
-  /// Called when a frame's second image is sent, with its time and the monotonic clock's.
-  std::function<void(Time, double)> on_frame;
+  /// Called before a frame's images are sent, and when they were.
+  std::function<void(Time)> before_frame, on_frame;
 
  private:
   class Implementation;

@@ -30,12 +30,12 @@ struct BenchOptions {
   bool is_compressed = false;
 };
 
-/// Times from an image to something with its stamp.
+/// Times from before a frame's images are sent to something with its stamp.
 class Delays {
  public:
-  void sent(Time stamp, double now_s) {
+  void sent(Time stamp) {
     const std::lock_guard lock(mutex_);
-    sent_[test::Results::keyOf(stamp)] = {now_s, std::nullopt};
+    sent_[test::Results::keyOf(stamp)] = {monotonicSeconds(), std::nullopt};
   }
   void received(Time stamp) {
     const double now_s = monotonicSeconds();
@@ -159,9 +159,9 @@ void play(const BenchOptions& options) {
   if (!options.is_alone) audience.emplace(peer, obstacles, odometry);
   test::Robot robot(peer, options.rawlog, options.is_compressed);
   std::vector<Time> times;
-  robot.on_frame = [&](Time stamp, double now_s) {
+  robot.before_frame = [&](Time stamp) {
     times.push_back(stamp);
-    for (Delays* delays : {&transport, &obstacles, &odometry}) delays->sent(stamp, now_s);
+    for (Delays* delays : {&transport, &obstacles, &odometry}) delays->sent(stamp);
   };
   while (!robot.isWatched()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   const std::atomic<bool> stop{false};

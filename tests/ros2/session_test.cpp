@@ -56,7 +56,7 @@ TEST(Ros2SessionTest, TopicsOfARobotBecomeTopicsOfItsSurroundings) {
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << topics.missing();
   const std::atomic<bool> stop{false};
   std::set<long> sent;
-  robot.on_frame = [&](Time time, double) {
+  robot.on_frame = [&](Time time) {
     EXPECT_TRUE(!sent.empty() || waitUntil([&] { return topics.missing().empty(); }));
     sent.insert(test::Results::keyOf(time));
     results.await(time);
