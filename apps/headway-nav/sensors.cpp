@@ -2,6 +2,8 @@
 // Simulated sensors of a trial: a range scanner and a detector of people.
 #include "sensors.h"
 
+#include <headway/core/pose.h>
+
 #include <cmath>
 #include <limits>
 
@@ -21,7 +23,6 @@ double rangeToDisc(const Vector2d& ray, const Vector2d& centre, double radius) {
 }
 
 constexpr double kPersonHeight_m = 1.7;
-constexpr double kDegree = M_PI / 180.0;
 
 /// Whether a disc occludes a position from the robot, both in the robot's frame.
 bool hides(const Vector2d& disc, double radius, const Vector2d& place) {

@@ -17,48 +17,9 @@ namespace {
 constexpr double kWalk_px = 0.03;  ///< in 0.1 s: images of different instants differ in turns
 constexpr double kMaxOffset_px = 4.0;
 
-constexpr double kRecordWalk_px = 0.003;  ///< from one estimate to the next
-constexpr double kContradiction = 3.0;    ///< standard deviations
-constexpr int kRestart = 3;               ///< contradictions in a row
+constexpr double kRecordWalk_px = 0.003;  ///< of an OffsetRecord, from one estimate to the next
 
 }  // namespace
-
-void OffsetRecord::Gaussian::add(const OffsetEstimate& seen, double independent) {
-  variance += square(kRecordWalk_px);
-  const double gain = variance / (variance + square(seen.sigma_px) / independent);
-  px += gain * (seen.px - px);
-  variance *= 1.0 - gain;
-}
-
-bool OffsetRecord::Gaussian::contradicts(const OffsetEstimate& seen) const {
-  return square(seen.px - px) >
-         square(kContradiction) * (square(seen.sigma_px) + variance + square(kOffsetModelSigma_px));
-}
-
-void OffsetRecord::add(const OffsetEstimate& seen, double independent) {
-  if (!known_.contradicts(seen)) {
-    contradictions_ = 0;
-    return known_.add(seen, independent);
-  }
-  if (contradictions_ == 0 || contrary_.contradicts(seen)) {
-    contrary_ = Gaussian{};
-    contradictions_ = 0;
-  }
-  contrary_.add(seen, independent);
-  if (++contradictions_ < kRestart) return;
-  known_ = contrary_;
-  contradictions_ = 0;
-}
-
-OffsetEstimate OffsetRecord::estimate() const {
-  return {known_.px, std::hypot(std::sqrt(known_.variance), kOffsetModelSigma_px)};
-}
-
-bool OffsetRecord::isCorrected() const {
-  const bool is_known = known_.variance < square(kOffsetModelSigma_px);
-  const OffsetEstimate now = estimate();
-  return !is_known || square(now.px) > 2.0 * square(now.sigma_px);
-}
 
 void DisparityOffset::update(const std::vector<OffsetEvidence>& static_points, double seconds) {
   if (static_points.empty()) return;
@@ -198,6 +159,43 @@ Eigen::Matrix3d priorInformation() {
 }
 
 }  // namespace
+
+void OffsetRecord::Gaussian::add(const OffsetEstimate& seen, double independent) {
+  variance += square(kRecordWalk_px);
+  const double gain = variance / (variance + square(seen.sigma_px) / independent);
+  px += gain * (seen.px - px);
+  variance *= 1.0 - gain;
+}
+
+bool OffsetRecord::Gaussian::contradicts(const OffsetEstimate& seen) const {
+  return square(seen.px - px) >
+         chiSquare99(1) * (square(seen.sigma_px) + variance + square(kOffsetModelSigma_px));
+}
+
+void OffsetRecord::add(const OffsetEstimate& seen, double independent) {
+  if (!known_.contradicts(seen)) {
+    contradictions_ = 0;
+    return known_.add(seen, independent);
+  }
+  if (contradictions_ == 0 || contrary_.contradicts(seen)) {
+    contrary_ = Gaussian{};
+    contradictions_ = 0;
+  }
+  contrary_.add(seen, independent);
+  if (++contradictions_ < kRows.restart_frames) return;
+  known_ = contrary_;
+  contradictions_ = 0;
+}
+
+OffsetEstimate OffsetRecord::estimate() const {
+  return {known_.px, std::hypot(std::sqrt(known_.variance), kOffsetModelSigma_px)};
+}
+
+bool OffsetRecord::isCorrected() const {
+  const bool is_known = known_.variance < square(kOffsetModelSigma_px);
+  const OffsetEstimate now = estimate();
+  return !is_known || square(now.px) > 2.0 * square(now.sigma_px);
+}
 
 double rowShift(const Eigen::Vector2d& right, const Eigen::Vector3d& angles,
                 const StereoCamera& camera) {

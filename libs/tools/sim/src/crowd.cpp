@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // People and pillars of a trial of navigation, seen from above.
+#include <headway/core/pose.h>
 #include <headway/sim/crowd.h>
 
 #include <algorithm>
@@ -9,8 +10,6 @@ namespace headway::sim {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kDegree = M_PI / 180.0;
 
 Vector2d unitVector(double angle) { return {std::cos(angle), std::sin(angle)}; }
 

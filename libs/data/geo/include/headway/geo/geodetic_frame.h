@@ -2,12 +2,12 @@
 // Local frames on the earth (WGS 84).
 #pragma once
 
+#include <headway/core/pose.h>
+
 #include <Eigen/Core>
 #include <cmath>
 
 namespace headway::geo {
-
-inline constexpr double kDegree = M_PI / 180.0;  ///< [rad]
 
 /// A position on WGS 84.
 struct GeodeticPosition {
