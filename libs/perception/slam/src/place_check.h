@@ -40,8 +40,6 @@ class PlaceCheck {
   /// @param T_odom_cam  of the same frame; it may drift, and be off by 1.5 m/s and 2 rad/s where
   ///                    most of the view moves
   [[nodiscard]] bool add(Time time, int evidence, const Pose& T_map_cam, const Pose& T_odom_cam);
-  /// Whether the frame of that time showed a place that is not believed yet.
-  [[nodiscard]] bool isWaiting(Time time) const { return before_ && before_->time == time; }
   void restart() { before_.reset(); }
 
  private:
