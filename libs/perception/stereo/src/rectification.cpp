@@ -105,9 +105,9 @@ struct CorrectionParams {
   double changed_rows_px = 0.1;     ///< one converts the map
 };
 
-/// What a focal length looks like that is off by 0.3 %, as those of calibrations are: part of what
-/// is said of an offset, not of its correction, which serves as well against it [px].
-constexpr double kOffsetByFocalLength_px = 0.1;
+/// What focal lengths look like that are off by 0.3 %, as those of calibrations are: part of what is
+/// said of an offset, not of its correction, which serves as well against it [px].
+constexpr double kOffsetByFocalLength_px = 0.07;
 
 constexpr RowParams kRows;
 constexpr CorrectionParams kCorrection;
