@@ -126,8 +126,9 @@ class Audience {
         "rt/headway/odometry", {true, false, 1000},
         [&](const auto& message) { odometry.received(timeOf(message.header())); }));
     keep(peer.reader<OccupancyGrid_PubSubType>("rt/map", {true, true, 1}, leave));
-    for (const char* name : {"local_costmap", "predicted_500ms", "predicted_1000ms",
-                             "predicted_1500ms", "predicted_2000ms", "predicted_3000ms"}) {
+    for (const char* name :
+         {"local_costmap", "predicted_500ms", "predicted_1000ms", "predicted_1500ms",
+          "predicted_2000ms", "predicted_2500ms", "predicted_3000ms"}) {
       keep(peer.reader<OccupancyGrid_PubSubType>(std::string("rt/headway/") + name, {}, leave));
     }
     keep(peer.reader<PointCloud2_PubSubType>("rt/headway/dense_map", {}, leave));

@@ -49,7 +49,7 @@ bool PlaceCheck::agrees(Time time, const Pose& T_map_cam, const Pose& T_odom_cam
 
 bool PlaceCheck::add(Time time, int evidence, const Pose& T_map_cam, const Pose& T_odom_cam) {
   if (evidence < kPlaceProof / 2) return false;
-  Sighting now{time, time, evidence, T_map_cam * T_odom_cam.inverse(Eigen::Isometry)};
+  Observation now{time, time, evidence, T_map_cam * T_odom_cam.inverse(Eigen::Isometry)};
   if (agrees(time, T_map_cam, T_odom_cam)) {
     now.since = before_->since;
     now.evidence += before_->evidence;

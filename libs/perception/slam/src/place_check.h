@@ -43,7 +43,7 @@ class PlaceCheck {
   void restart() { before_.reset(); }
 
  private:
-  struct Sighting {
+  struct Observation {
     Time since = 0.0;  ///< the place was seen first
     Time time = 0.0;   ///< and last
     int evidence = 0;  ///< of all its frames
@@ -52,7 +52,7 @@ class PlaceCheck {
   /// Whether a pose is where odometry has led since the place was seen last.
   [[nodiscard]] bool agrees(Time time, const Pose& T_map_cam, const Pose& T_odom_cam) const;
 
-  std::optional<Sighting> before_;
+  std::optional<Observation> before_;
 };
 
 }  // namespace headway::slam
