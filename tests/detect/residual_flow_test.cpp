@@ -78,7 +78,8 @@ struct Look {
   [[nodiscard]] std::vector<UprightSegment> segments(const ResidualFlow& by) const {
     const auto ground = stereo::findGround(disparity, *street.camera(), std::nullopt);
     EXPECT_TRUE(ground);
-    return segmentsByFlow(disparity, by, *street.camera(), *ground, 30.0);
+    const auto standing = standingCells(disparity, *street.camera(), *ground, 30.0);
+    return segmentsByFlow(disparity, by, *street.camera(), standing, {});
   }
 };
 

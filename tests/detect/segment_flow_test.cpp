@@ -32,7 +32,8 @@ float flowOf(const Grid& grid, double speed) {
 }
 
 std::vector<UprightSegment> segmentsIn(const Grid& grid, const ResidualFlow& flow) {
-  return segmentsByFlow(grid.disparity, flow, grid.camera, grid.ground, kRange);
+  return segmentsByFlow(grid.disparity, flow, grid.camera,
+                        standingCells(grid.disparity, grid.camera, grid.ground, kRange), {});
 }
 
 TEST(SegmentsByFlowTest, WithoutFlowTheyAreThoseOfTheDisparities) {

@@ -129,7 +129,7 @@ struct GuidedScene {
   }
   [[nodiscard]] std::vector<MovingObject> byAppearance(
       std::vector<MovingObject> objects = {}) const {
-    detectByAppearance(frame(), searched(), camera, objects);
+    detectByAppearance(frame(), searched(), 0.0, camera, objects);
     return objects;
   }
 

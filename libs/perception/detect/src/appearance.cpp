@@ -6,10 +6,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "object_extent.h"
+
 namespace headway::detect {
 namespace {
 
-constexpr int kMinCells = 30;
 constexpr double kMinContrast = 6.0;     // standard deviation [grey levels]
 constexpr float kMinCorrelation = 0.5F;  // correlation; legs and what is behind them change
 constexpr int kReachAcross = 8;          // sought to either side [cells]
@@ -55,7 +56,7 @@ double shiftedCorrelation(const cv::Mat& image, const std::vector<cv::Point>& ce
     sum_bb += b * b;
     sum_ab += a * b;
   }
-  if (n < kMinCells) return 0.0;
+  if (n < kMinPersonCells) return 0.0;
   const double squares = (sum_aa - sum_a * sum_a / n) * (sum_bb - sum_b * sum_b / n);
   return squares > 0.0 ? (sum_ab - sum_a * sum_b / n) / std::sqrt(squares) : 0.0;
 }
@@ -87,7 +88,7 @@ std::shared_ptr<const ObjectMask> maskOf(const std::vector<cv::Point>& cells, in
 
 std::optional<AppearanceTemplate> templateOf(const cv::Mat& image,
                                              const std::vector<cv::Point>& cells, int reduce) {
-  if (static_cast<int>(cells.size()) < kMinCells) return std::nullopt;
+  if (static_cast<int>(cells.size()) < kMinPersonCells) return std::nullopt;
   const cv::Rect box = cv::boundingRect(cells);
   AppearanceTemplate appearance;
   appearance.patch = image(box).clone();
@@ -116,7 +117,7 @@ std::optional<cv::Point> findTemplate(const AppearanceTemplate& appearance, cons
                           whole;
   if (shown.empty()) return std::nullopt;
   const cv::Rect part(shown.tl() - corner, shown.size());
-  if (cv::countNonZero(mask(part)) < kMinCells) return std::nullopt;
+  if (cv::countNonZero(mask(part)) < kMinPersonCells) return std::nullopt;
   cv::Mat correlations;
   cv::matchTemplate(image(window), patch(part), correlations, cv::TM_CCOEFF_NORMED, mask(part));
   const auto best = bestOf(correlations);

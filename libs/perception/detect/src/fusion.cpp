@@ -52,6 +52,7 @@ void complete(Detection& kept, const Detection& other, const FusionParams& param
   if (!kept.appearance) kept.appearance = other.appearance;
   kept.evidence.classifier = kept.evidence.classifier || other.evidence.classifier;
   kept.evidence.motion = kept.evidence.motion || other.evidence.motion;
+  kept.evidence.change = kept.evidence.change || other.evidence.change;
   kept.evidence.flow = kept.evidence.flow || other.evidence.flow;
   kept.evidence.appearance = kept.evidence.appearance || other.evidence.appearance;
   if (!kept.detector_id) kept.detector_id = other.detector_id;

@@ -40,6 +40,19 @@ bool moveTogether(const PointMotion& a, const PointMotion& b, double depth,
   return size < std::max(params.speed_difference, params.speed_ratio * speed) + 2.0 * sigma;
 }
 
+// Of a newcomer that is not known to move.
+MeasuredVelocity unknownVelocity() {
+  const double prior = SegmentMotionParams().speed_prior;
+  return {Eigen::Vector3d::Zero(), prior * prior * Eigen::Matrix3d::Identity()};
+}
+
+// Whether it was seen in more than two frames at 10 Hz: wrong matches do not last.
+bool lasts(const SegmentTrack& segment, const MotionFrame& frame) {
+  if (segment.track.observations.empty()) return false;
+  const Time first = frame.path.timeOf(segment.track.observations.front().frame);
+  return frame.path.timeOf(frame.path.newest()) - first > SegmentMotionParams().min_flow_time_s;
+}
+
 // Disjoint sets, each named by its lowest index. cv::partition would test every pair twice.
 class Sets {
  public:
@@ -285,8 +298,9 @@ PointClassParams pointClassParams(const StereoMotionParams& params) {
 std::vector<MovingObject> MovingObjectFinder::find(const MotionFrame& frame,
                                                    std::vector<SegmentTrack>& segments) {
   std::vector<MovingObject> objects;
+  if (frame.ground) addSegments(frame, true, segments, objects);
   addClusters(frame, objects);
-  if (frame.ground) addSegments(frame, segments, objects);
+  if (frame.ground) addSegments(frame, false, segments, objects);
   return objects;
 }
 
@@ -315,7 +329,8 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
     }
     const auto known =
         std::find_if(objects.begin(), objects.end(), [&](const MovingObject& object) {
-          return isAsFast(cluster.velocity, object.velocity.value) && isPartOf(*extent, object);
+          return (object.evidence.change || isAsFast(cluster.velocity, object.velocity.value)) &&
+                 isPartOf(*extent, object);
         });
     if (known != objects.end()) {
       known->members.insert(known->members.end(), cluster.members.begin(), cluster.members.end());
@@ -332,11 +347,14 @@ void MovingObjectFinder::addClusters(const MotionFrame& frame, std::vector<Movin
   }
 }
 
-void MovingObjectFinder::addSegments(const MotionFrame& frame, std::vector<SegmentTrack>& segments,
+void MovingObjectFinder::addSegments(const MotionFrame& frame, bool newcomers,
+                                     std::vector<SegmentTrack>& segments,
                                      std::vector<MovingObject>& objects) {
   for (auto& segment : segments) {
-    if (segment.last_frame != frame.path.newest()) continue;
-    const auto velocity = velocityOf(segment, frame);
+    if (segment.last_frame != frame.path.newest() || segment.segment.is_new != newcomers) continue;
+    auto velocity = velocityOf(segment, frame);
+    const bool moves = velocity.has_value();
+    if (!moves && newcomers && lasts(segment, frame)) velocity = unknownVelocity();
     if (!velocity) continue;
     auto extent = plausibleExtent(segment.segment.cells, *velocity, *frame.ground, 0.0, frame);
     if (!extent) continue;
@@ -346,14 +364,16 @@ void MovingObjectFinder::addSegments(const MotionFrame& frame, std::vector<Segme
     }
     const auto known =
         std::find_if(objects.begin(), objects.end(), [&](const MovingObject& object) {
-          return isPartOf(*extent, object) && !isOpposite(velocity->value, object.velocity.value);
+          return !newcomers && isPartOf(*extent, object) &&
+                 !isOpposite(velocity->value, object.velocity.value);
         });
     if (known != objects.end()) {
       known->segments.push_back(&segment);
       continue;
     }
     MovingObject object;
-    object.evidence.motion = true;
+    object.evidence.motion = moves;
+    object.evidence.change = newcomers;
     object.extent = std::move(*extent);
     object.velocity = *velocity;
     object.first_frame = frame.path.oldest();

@@ -47,8 +47,6 @@ struct MovingObject {
   std::optional<TrackId> searched_track;  ///< that it was searched for
 };
 
-constexpr double kMinAcross = 0.3;  ///< of a segment detected by flow alone [m/s]
-
 /// Whether an extent overlaps an object in the image at its depth, or on the ground.
 [[nodiscard]] bool isPartOf(const ObjectExtent& part, const MovingObject& object);
 
@@ -128,7 +126,7 @@ class MovingObjectFinder {
 
  private:
   void addClusters(const MotionFrame& frame, std::vector<MovingObject>& objects);
-  void addSegments(const MotionFrame& frame, std::vector<SegmentTrack>& segments,
+  void addSegments(const MotionFrame& frame, bool newcomers, std::vector<SegmentTrack>& segments,
                    std::vector<MovingObject>& objects);
   /// Whether a velocity is more than slow, its own errors and the drift of disparities explain.
   [[nodiscard]] bool isFast(const MeasuredVelocity& velocity, const PointTrack& at,

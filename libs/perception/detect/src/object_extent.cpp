@@ -22,14 +22,12 @@ constexpr double kMaxHeight = 3.8;        // above ground [m]
 constexpr double kMinHeight = 0.4;        // of what is seen of a moving object [m]
 constexpr double kMaxAfloat = 1.2;        // lowest part above ground, stereo noise aside [m]
 constexpr double kMinAfloat = 0.35;       // of something that the view below it is tested of [m]
-constexpr double kFarther = 1.5;          // disparity by which they are farther, or the ratio [px]
 constexpr double kTail = 0.03;            // of the cells left out at each end of an extent
 constexpr double kVehicleExtent = 1.35;   // a person is never this wide [m]
 constexpr double kFastestCyclist = 10.0;  // [m/s]
 constexpr double kEdgeSigma = 3.0;        // of an extent's edge in the image [px]
 constexpr double kDisparitySpread = 2.0;  // by noise, of one surface between the tails [px]
 // Where three sigmas of a depth exceed a vehicle's extent, only extents across the sight are known.
-constexpr double kDepthSigmas = 3.0;
 
 using Cell = ObjectCell;
 
@@ -112,7 +110,7 @@ double seenBelow(const std::vector<Cell>& cells, const stereo::DisparityImage& d
   for (const auto& [column, cell] : lowest) {
     const int row = cell->place.y;
     const float d = disparity.values.at<float>(row, column);
-    const double farther = d - std::max(kFarther, kFartherRatio * d);
+    const double farther = d - std::max(kFarther_px, kFartherRatio * d);
     const auto foot = project(cell->point - floor.heightOf(cell->point) * floor.up, camera);
     const int end = foot ? std::min(disparity.values.rows, disparity.cellOf(foot->y())) : row;
     for (int below = row + 1; below < end; ++below) {
@@ -134,7 +132,7 @@ double knownExtent(const std::vector<Cell>& cells, const Eigen::Vector3d& middle
   const auto extentAlong = [&](const Eigen::Vector3d& axis) {
     return rangeOf(cells, kTail, [&](const Cell& c) { return axis.dot(c.point); }).size();
   };
-  if (kDepthSigmas * kCellSigma * per_px > kVehicleExtent) {
+  if (kSureSigmas * kCellSigma * per_px > kVehicleExtent) {
     return extentAlong(ground.up.cross(middle).normalized());
   }
   const Eigen::Vector3d side = ground.up.cross(front);
@@ -225,7 +223,9 @@ std::optional<ObjectExtent> extentOf(const std::vector<ObjectCell>& cells,
   extent.box2d = {std::max(0.0, u.min - half), std::max(0.0, v.min - half),
                   std::min(camera.width - 1.0, u.max + half),
                   std::min(camera.height - 1.0, v.max + half)};
-  const Eigen::Vector3d front = velocity.value.normalized();
+  const Eigen::Vector3d front = velocity.value.isZero()
+                                    ? overGround(cells.front().point, floor.up).normalized()
+                                    : velocity.value.normalized();
   const Range height =
       rangeOf(cells, kTail, [&](const Cell& c) { return floor.heightOf(c.point); });
   if (height.min > kMaxAfloat) return std::nullopt;

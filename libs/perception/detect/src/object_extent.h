@@ -33,6 +33,12 @@ inline constexpr double kCellSigma = 0.4;      // of the disparity of a cell [px
 inline constexpr double kSurfaceSigma_px = 0.3;
 /// Ratio of disparities from which something is farther than an object.
 inline constexpr double kFartherRatio = 0.1;
+/// And by this much, at least [px].
+inline constexpr double kFarther_px = 1.5;
+inline constexpr double kSureSigmas = 3.0;
+/// Height that a standing person exceeds, and one that nobody does [m].
+inline constexpr double kMinTop = 0.9;
+inline constexpr double kHeadHeight = 2.4;
 inline constexpr int kMinPersonCells = 20;  // that show a person
 
 /// A cell of the disparity image that belongs to an object.

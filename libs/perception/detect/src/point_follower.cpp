@@ -10,6 +10,8 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "object_extent.h"
+
 namespace headway::detect {
 namespace {
 
@@ -17,7 +19,6 @@ constexpr int kReduce = 2;
 constexpr int kBorder = 8;               // from the image's edges [px]
 constexpr float kMinStrength = 2e-4F;    // smaller eigenvalue, of an image scaled to 0 ... 1
 constexpr float kOfPeople = 8.0F;        // corners where people may be count so much stronger
-constexpr double kHead = 2.0;            // above ground, [m]
 constexpr double kElsewhereRatio = 0.1;  // of the points, outside of the zone
 
 struct Corner {
@@ -63,7 +64,7 @@ std::vector<Corner> cornersIn(const cv::Mat& strength, const cv::Mat& occupied, 
       if (corner.strength * kOfPeople < kMinStrength) continue;
       const double d = disparity.at(corner.place.x, corner.place.y);
       if (d <= 0.0) continue;
-      if (inZone(corner.place, d, camera, ground, {zone.people_m, kHead, zone.people_m})) {
+      if (inZone(corner.place, d, camera, ground, {zone.people_m, kHeadHeight, zone.people_m})) {
         corner.strength *= kOfPeople;
       }
       if (corner.strength < kMinStrength) continue;

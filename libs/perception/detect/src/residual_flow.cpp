@@ -122,10 +122,8 @@ Warp warpOf(const cv::Mat& disparities, const StaticScene& scene) {
 constexpr int kSearchReach = 16;  // search range to either side [cells]
 constexpr int kMatchedBlock = 9;  // side of a matched block [cells]
 constexpr int kOverlap = 6;       // rows around a block; even, because OpenCV filters pairs of rows
-constexpr int kMinSpeckle = 20;   // smaller regions are removed [cells]
 constexpr int kSpeckleRange = 2;  // between neighbours in a region
 constexpr double kMinSigma = 0.15;       // [px]
-constexpr double kResidualTail = 1.0;    // residual at which a cell has half its weight [px]
 constexpr int kStride = 3;               // of the cells that estimate the common flow
 constexpr double kMinFlowTime_s = 0.06;  // in less, a walk is within the noise
 constexpr double kFastWalk_mps = 2.0;    // across the line of sight, of a walker
@@ -157,7 +155,7 @@ cv::Mat matchedColumns(const cv::Mat& now, const cv::Mat& warped) {
   const int half = now.rows / 4 * 2;
   const std::array<cv::Range, 2> halves{cv::Range(0, half), cv::Range(half, now.rows)};
   forEachRow(2, [&](int i) { matchRows(a, b, halves[i], matches); });
-  cv::filterSpeckles(matches, (-kSearchReach - 1) * cv::StereoMatcher::DISP_SCALE, kMinSpeckle,
+  cv::filterSpeckles(matches, (-kSearchReach - 1) * cv::StereoMatcher::DISP_SCALE, kMinPersonCells,
                      kSpeckleRange);
   cv::Mat columns(now.size(), CV_32F);
   for (int row = 0; row < now.rows; ++row) {
@@ -193,14 +191,14 @@ double subtractCommonFlow(const cv::Mat& disparities, cv::Mat& columns) {
         static_cells.emplace_back(1.0, d[column], residuals[column]);
     }
   }
-  if (static_cells.empty()) return kResidualTail;
+  if (static_cells.empty()) return 1.0;
   Eigen::Vector2d common = Eigen::Vector2d::Zero();
   const Eigen::Vector2d prior(1.0, 100.0);
   for (int iteration = 0; iteration < 4; ++iteration) {
     Eigen::Matrix2d A = prior.asDiagonal();
     Eigen::Vector2d b = Eigen::Vector2d::Zero();
     for (const auto& cell : static_cells) {
-      const double off = (cell.z() - common.dot(cell.head<2>())) / kResidualTail;
+      const double off = cell.z() - common.dot(cell.head<2>());  // 1 px: half the weight
       const double weight = 1.0 / (1.0 + off * off);
       A += weight * cell.head<2>() * cell.head<2>().transpose();
       b += weight * cell.z() * cell.head<2>();

@@ -17,15 +17,13 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kSegmentGate = 0.6;    // between a segment and its expected place [m]
-constexpr double kGateDisparity = 1.0;  // and, along the line of sight, by this much disparity [px]
-constexpr double kEdge = 0.5;           // error of a segment's centre [px]
-constexpr double kEdgeRatio = 0.03;     // and ratio to its width
-constexpr double kRowSigma = 30.0;      // feet and heads are cut off at random [px]
-constexpr double kMaxMissed_s = 0.35;   // three frames at 10 Hz; the next one at any rate
-constexpr double kFlowTime_s = 0.55;    // of the flows kept of a segment, five at 10 Hz
-constexpr std::size_t kMinFlows = 3;    // of these, at any rate: one may be a mismatch
-constexpr double kMinTravel = 0.3;      // within the window [m]
+constexpr double kSegmentGate = 0.6;   // between a segment and its expected place [m]
+constexpr double kEdgeRatio = 0.03;    // of its width: error of a segment's centre, and 0.5 px
+constexpr double kRowSigma = 30.0;     // feet and heads are cut off at random [px]
+constexpr double kMaxMissed_s = 0.35;  // three frames at 10 Hz; the next one at any rate
+constexpr double kFlowTime_s = 0.55;   // of the flows kept of a segment, five at 10 Hz
+constexpr std::size_t kMinFlows = 3;   // of these, at any rate: one may be a mismatch
+constexpr double kMinTravel = 0.3;     // within the window [m]
 
 double secondsOf(const std::deque<LateralSpeed>& flows) {
   double seconds = 0.0;
@@ -34,7 +32,7 @@ double secondsOf(const std::deque<LateralSpeed>& flows) {
 }
 
 ObservationNoise noiseOf(const UprightSegment& segment) {
-  return {kEdge + kEdgeRatio * segment.width_px, kRowSigma, kSurfaceSigma_px};
+  return {0.5 + kEdgeRatio * segment.width_px, kRowSigma, kSurfaceSigma_px};
 }
 
 Eigen::Vector3d placeOf(const UprightSegment& segment, const CameraPath& path,
@@ -59,7 +57,7 @@ class Gate {
     const double depth = (T_cam_world * expected).z();
     ray_ = overGround(expected - T_cam_world.inverse().translation(), up).normalized();
     across_ = kSegmentGate + kGatePerMetre * depth;
-    along_ = across_ + kGateDisparity * depth * depth / (camera.fx * camera.baseline_m);
+    along_ = across_ + depth * depth / (camera.fx * camera.baseline_m);  // 1 px of disparity
   }
 
   [[nodiscard]] double distanceOf(const Eigen::Vector3d& place) const {

@@ -18,7 +18,9 @@
 
 #include "appearance.h"
 #include "disparity_drift.h"
+#include "empty_space.h"
 #include "moving_object_finder.h"
+#include "newcomers.h"
 #include "point_follower.h"
 #include "residual_flow.h"
 #include "segment_follower.h"
@@ -122,6 +124,7 @@ class StereoMotion::Implementation {
         follower_(*camera_,
                   followerParams(params_, window_s_, stereo::rigCapability(*camera_).people_to_m)),
         flow_meter_(*camera_),
+        empty_space_(*camera_, params_.max_segment_range_m),
         segments_(*camera_),
         finder_(*camera_, params_) {}
 
@@ -157,9 +160,12 @@ class StereoMotion::Implementation {
     ResidualFlow flow = flow_meter_.measure(image_, disparity_, path_);
     if (unsure != nullptr) flow = {};
     if (ground_) {
-      segments_.follow(
-          segmentsByFlow(disparity_, flow, *camera_, *ground_, params_.max_segment_range_m), path_,
-          up_);
+      const auto standing =
+          standingCells(disparity_, *camera_, *ground_, params_.max_segment_range_m);
+      const auto is_new = empty_space_.enter(disparity_, standing, *ground_, path_, up_);
+      auto new_ones = newcomers(is_new, standing, disparity_, *camera_, *ground_);
+      segments_.follow(segmentsByFlow(disparity_, flow, *camera_, standing, std::move(new_ones)),
+                       path_, up_);
     }
     tested_ = unsure == nullptr && frame.time - path_.timeOf(path_.oldest()) > kStartUp;
     if (tested_) detectObjects(expected);
@@ -194,6 +200,7 @@ class StereoMotion::Implementation {
     path_ = CameraPath(*camera_, std::hypot(params_.sigma_px, 0.3));
     follower_.clear();
     segments_.clear();
+    empty_space_.clear();
     flow_meter_.clear();
   }
 
@@ -252,7 +259,7 @@ class StereoMotion::Implementation {
     setGroups(objects);
     const auto missing = withoutFound(searchedObjects(expected, path_, T_map_cam_), objects, path_);
     detectByFlow(frame, missing, segments_.tracks(), *camera_, objects);
-    detectByAppearance(frame, missing, *camera_, objects);
+    detectByAppearance(frame, missing, ground_ ? empty_space_.reach() : 0.0, *camera_, objects);
     for (const MovingObject& object : objects) {
       const bool is_beyond = object.extent.box.centre.z() > reach_m_;
       if (is_beyond) {
@@ -328,6 +335,7 @@ class StereoMotion::Implementation {
   double window_s_;  ///< of observations, of points and of segments [s]
   PointFollower follower_;
   ResidualFlowMeter flow_meter_;
+  EmptySpace empty_space_;
   SegmentFollower segments_;
   MovingObjectFinder finder_;
   NoiseScale noise_scale_;

@@ -14,18 +14,14 @@
 namespace headway::detect {
 namespace {
 
-constexpr double kGate = 0.8;            // between an object and its expected place [m]
-constexpr double kFlowSigmas = 3.0;      // difference between a flow and the expected one
-constexpr double kFlowRatio = 0.5;       // and ratio of it to the expected one
-constexpr double kMinDistinct = 2.0;     // between where it would be had it stopped and not [cells]
-constexpr double kIndistinctTime = 0.7;  // in which it is searched though these coincide [s]
-constexpr double kMinTrackedDepth = 0.3;   // of a searched object: the nearest any rig matches [m]
+constexpr double kGate = 0.8;              // between an object and its expected place [m]
+constexpr double kFlowRatio = 0.5;         // and ratio of it to the expected one
+constexpr double kIndistinctTime = 0.7;    // in which it is searched though these coincide [s]
 constexpr double kMinVisibleRatio = 0.25;  // of the box left inside the image, of its width
 constexpr double kMinVisibleHeight = 8.0;  // [px]
-constexpr double kDepthTolerance = 1.2;  // of its disparity, towards farther, or kFartherRatio [px]
 
-constexpr DetectionEvidence kByFlow{false, false, true, false};
-constexpr DetectionEvidence kByAppearance{false, false, false, true};
+constexpr DetectionEvidence kByFlow{false, false, false, true, false};
+constexpr DetectionEvidence kByAppearance{false, false, false, false, true};
 
 double gateAt(double depth) { return kGate + kGatePerMetre * depth; }
 
@@ -35,7 +31,7 @@ double depthOf(const Eigen::Vector3d& position, const CameraPath& path) {
 
 bool flowsAs(const LateralSpeed& flow, double across) {
   return std::abs(flow.speed) > kMinAcross + 2.0 * flow.sigma &&
-         std::abs(flow.speed - across) < kFlowSigmas * flow.sigma + kFlowRatio * std::abs(across);
+         std::abs(flow.speed - across) < kSureSigmas * flow.sigma + kFlowRatio * std::abs(across);
 }
 
 bool isUsed(const SegmentTrack& segment, const std::vector<MovingObject>& found) {
@@ -121,7 +117,6 @@ std::optional<ExpectedView> expectedView(const SearchedObject& object, const Mot
   const double seconds = frame.path.timeOf(frame.path.newest()) - appearance.time;
   const Eigen::Vector3d stopped = object.T_cam_then * appearance.box3d.centre;
   const Eigen::Vector3d moving = stopped + T_cam_world.linear() * (seconds * object.velocity.value);
-  if (moving.z() < kMinTrackedDepth || stopped.z() < kMinTrackedDepth) return std::nullopt;
   const auto template_px = project(appearance.box3d.centre, camera);
   const auto stopped_px = project(stopped, camera);
   const auto moving_px = project(moving, camera);
@@ -145,8 +140,8 @@ std::optional<Eigen::Vector2d> foundOffset(const SearchedObject& object, const E
   const double from_stopped = offset->x - (view.stopped_px.x() - view.moving_px.x()) / reduce;
   if (std::abs(offset->x) > std::abs(from_stopped) + 0.5) return std::nullopt;
   const double seconds = frame.path.timeOf(frame.path.newest()) - object.last_motion;
-  const bool distinct = (view.stopped_px - view.moving_px).norm() > kMinDistinct * reduce ||
-                        seconds < kIndistinctTime;
+  const bool distinct =
+      (view.stopped_px - view.moving_px).norm() > 2.0 * reduce || seconds < kIndistinctTime;
   if (!distinct) return std::nullopt;
   return reduce * Eigen::Vector2d(offset->x, offset->y);
 }
@@ -162,7 +157,7 @@ bool isSeenFarther(const std::vector<cv::Point>& cells, double expected_disparit
   if (values.empty() || 2 * values.size() < cells.size()) return false;
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return expected_disparity - values[values.size() / 2] >
-         std::max(kDepthTolerance, kFartherRatio * expected_disparity);
+         std::max(kFarther_px, kFartherRatio * expected_disparity);
 }
 
 std::optional<ObjectExtent> extentByAppearance(const SearchedObject& object,
@@ -281,9 +276,11 @@ void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& s
 }
 
 void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
-                        const StereoCamera& camera, std::vector<MovingObject>& found) {
+                        double beyond_m, const StereoCamera& camera,
+                        std::vector<MovingObject>& found) {
   for (const auto& object : searched) {
     if (object.appearance == nullptr || object.observations < 2) continue;
+    if (depthOf(object.position, frame.path) < beyond_m) continue;
     const bool is_found = std::any_of(found.begin(), found.end(), [&](const MovingObject& other) {
       return other.searched_track == object.track;
     });

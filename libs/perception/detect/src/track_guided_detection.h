@@ -59,8 +59,11 @@ void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& s
 /// uncertain the longer ago it was measured; where stereo shows something farther, it is not
 /// detected. Objects observed in a single frame are not searched.
 ///
+/// @param beyond_m  depth up to which changes of EmptySpace show what is there: of 61 rows in
+///                  robots' worlds that nothing was behind, 41 had come from this search there
 /// @param found  as above
 void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
-                        const StereoCamera& camera, std::vector<MovingObject>& found);
+                        double beyond_m, const StereoCamera& camera,
+                        std::vector<MovingObject>& found);
 
 }  // namespace headway::detect

@@ -49,14 +49,9 @@ std::vector<double> headColumns(const std::vector<int>& count, int gap) {
 
 constexpr double kColumnStep = 0.5;        // of disparity between neighbouring cells [px]
 constexpr double kColumnStepRatio = 0.02;  // or this ratio of it
-constexpr double kHeadHeight = 2.4;        // higher cells are not a person's [m]
-constexpr double kMinTop = 0.9;            // [m], unless the image cuts it
-constexpr int kImageEdge = 6;              // rows below the upper edge without disparities [cells]
-constexpr double kMaxFloat = 0.9;          // of the lowest part [m]
 constexpr double kMinWidth = 0.2;          // [m]
 constexpr double kMinLegWidth = 0.1;      // where the upper edge of the image leaves legs alone [m]
 constexpr double kMaxUprightWidth = 2.0;  // a cyclist from the side [m]
-constexpr double kNearer = 2.0;           // disparity by which an occluder is nearer [px]
 constexpr double kHiddenRows = 0.25;      // ratio of rows with an occluder beside them
 
 using Cells = std::vector<ObjectCell>;
@@ -104,7 +99,7 @@ bool isHidden(const Cells& cells, double segment_disparity, const cv::Rect& box,
   }
   const auto nearerAt = [&](int column, int row) {
     return column >= 0 && column < disparity.values.cols &&
-           disparity.values.at<float>(row + box.y, column) > segment_disparity + kNearer;
+           disparity.values.at<float>(row + box.y, column) > segment_disparity + kFarther_px;
   };
   int beside_left = 0;
   int beside_right = 0;
@@ -163,7 +158,7 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
   const cv::Rect box = cv::boundingRect(patch.places);
   const bool cut_by_image = box.y <= kImageEdge;
   const bool low = *highest < kMinTop && !cut_by_image;
-  if (cut || low || *lowest > kMaxFloat) return std::nullopt;
+  if (cut || low || *lowest > kMinTop) return std::nullopt;
   const double d = median({patch.disparities.begin(), patch.disparities.end()});
   const double metres_per_px = camera.baseline_m / d;  // z / f
   const double width = box.width * disparity.reduce * metres_per_px;
@@ -182,11 +177,9 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
   return segment;
 }
 
-constexpr float kMovingSigmas = 3.5F;    // sigmas from which a cell is moving
-constexpr double kMinCellAcross = 0.25;  // speed of a moving cell across the line of sight [m/s]
-constexpr std::size_t kMinKnown = 12;    // of a segment with measured flow
-constexpr double kSurely = 4.0;          // sigmas from which a segment is moving for certain
-const cv::Size kFlowGaps(5, 5);          // between moving cells that are closed [cells]
+constexpr float kMovingSigmas = 3.5F;  // sigmas from which a cell is moving
+constexpr std::size_t kMinKnown = 12;  // of a segment with measured flow
+const cv::Size kFlowGaps(5, 5);        // between moving cells that are closed [cells]
 
 // Speed across the line of sight, to the right, of a flow [m/s].
 double acrossOf(double flow_px, double disparity, double seconds, const StereoCamera& camera) {
@@ -228,7 +221,7 @@ cv::Mat movingCells(const stereo::DisparityImage& disparity, const ResidualFlow&
       const float residual = side * residuals[column];  // NaN: neither moving nor static
       rests[column] = residual < 2.0F * sigmas[column];
       moves[column] = residual > kMovingSigmas * sigmas[column] &&
-                      acrossOf(residual, d[column], flow.seconds, camera) > kMinCellAcross;
+                      acrossOf(residual, d[column], flow.seconds, camera) > kMinAcross;
     }
   }
   cv::dilate(moving, moving, cv::getStructuringElement(cv::MORPH_RECT, kFlowGaps));
@@ -314,15 +307,22 @@ std::vector<UprightSegment> uprightSegments(const stereo::DisparityImage& dispar
 
 std::vector<UprightSegment> segmentsByFlow(const stereo::DisparityImage& disparity,
                                            const ResidualFlow& flow, const StereoCamera& camera,
-                                           const stereo::GroundPlane& ground, double range_m) {
-  const StandingCells standing = standingCells(disparity, camera, ground, range_m);
-  auto segments = uprightSegments(standing, disparity, camera);
+                                           const StandingCells& standing,
+                                           std::vector<UprightSegment> segments) {
+  StandingCells rest{standing.disparities.clone(), standing.heights};
+  for (const auto& segment : segments) {
+    for (const auto& cell : segment.cells) rest.disparities.at<float>(cell.place) = 0.0F;
+  }
+  for (auto& segment : uprightSegments(rest, disparity, camera)) {
+    segments.push_back(std::move(segment));
+  }
   if (flow.empty()) return segments;
   cv::Mat claimed(flow.columns.size(), CV_8U, cv::Scalar(0));
   for (auto& segment : segments) {
     segment.across = acrossSpeed(segment, flow, camera);
-    if (!segment.across || std::abs(segment.across->speed) < kSurely * segment.across->sigma)
-      continue;
+    const bool is_sure =
+        segment.across && std::abs(segment.across->speed) > kMovingSigmas * segment.across->sigma;
+    if (!is_sure && !segment.is_new) continue;
     for (const auto& cell : segment.cells) claimed.at<unsigned char>(cell.place) = 1;
   }
   for (const float side : {1.0F, -1.0F}) {

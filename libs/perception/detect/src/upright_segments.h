@@ -14,6 +14,11 @@
 
 namespace headway::detect {
 
+/// Speed across the line of sight that flow shows by itself [m/s].
+inline constexpr double kMinAcross = 0.3;
+/// Rows below the upper edge of the image without disparities [cells].
+inline constexpr int kImageEdge = 6;
+
 /// Splits people who walk abreast.
 ///
 /// They touch in the disparity image but for their heads: every run of columns with cells in the
@@ -40,6 +45,7 @@ struct UprightSegment {
   double width_px = 0.0;                          ///< [px]
   bool hidden = false;       ///< partly occluded, or cut by the edge of the image
   bool cut_by_flow = false;  ///< separated from surroundings of the same depth by flow
+  bool is_new = false;       ///< it stands where space was empty
   std::vector<ObjectCell> cells;
   std::optional<LateralSpeed> across;  ///< nullopt: flow not measured
 };
@@ -73,14 +79,16 @@ struct StandingCells {
 
 /// Segments the disparity image as uprightSegments() does and measures the flow of each segment.
 ///
-/// Cells that flow to one side significantly are segmented once more without the others, so that
-/// a person close to a wall, or in front of others, becomes a segment of its own.
+/// What stands where space was empty is segmented first, without its surroundings. Cells that flow
+/// to one side significantly are segmented once more without the others, so that a person close to
+/// a wall, or in front of others, becomes a segment of its own.
 ///
-/// @param flow  may be empty: uprightSegments() alone
+/// @param flow    may be empty: uprightSegments() alone
+/// @param segments  newcomers
 [[nodiscard]] std::vector<UprightSegment> segmentsByFlow(const stereo::DisparityImage& disparity,
                                                          const ResidualFlow& flow,
                                                          const StereoCamera& camera,
-                                                         const stereo::GroundPlane& ground,
-                                                         double range_m);
+                                                         const StandingCells& standing,
+                                                         std::vector<UprightSegment> segments);
 
 }  // namespace headway::detect
