@@ -148,6 +148,31 @@ TEST(PersonMeshTest, StandsOnTheGroundAtAnyPhaseOfItsGait) {
   }
 }
 
+TEST(PersonMeshTest, VariedBodiesAreOfAllHeightsAndStandOnTheGround) {
+  Random random(5);
+  double lowest = 3.0, highest = 0.0;
+  int bent = 0, loaded = 0, wheelchairs = 0;
+  for (int i = 0; i < 200; ++i) {
+    Actor person = actorOf(i % 2 == 0 ? ActorKind::kPedestrian : ActorKind::kSeatedPerson);
+    varyBody(random, person);
+    const auto box = extentOf(actorMesh(person, Eigen::Vector3d::Zero()));
+    const bool is_seated = person.kind == ActorKind::kSeatedPerson;
+    EXPECT_NEAR(box.min().z(), 0.0F, is_seated ? 0.3F : 0.12F) << "all seats are of one height";
+    EXPECT_LE(box.max().z(), std::max(1.0, person.size.z()) + 0.02);
+    bent += person.body.bend_rad > 0.0 ? 1 : 0;
+    loaded += person.body.load != PersonBody::Load::kNone ? 1 : 0;
+    wheelchairs += person.body.wheelchair ? 1 : 0;
+    if (person.kind != ActorKind::kPedestrian) continue;
+    lowest = std::min(lowest, person.size.z());
+    highest = std::max(highest, person.size.z());
+  }
+  EXPECT_LT(lowest, 1.2);
+  EXPECT_GT(highest, 1.9);
+  EXPECT_GT(bent, 5);
+  EXPECT_GT(loaded, 10);
+  EXPECT_GT(wheelchairs, 5);
+}
+
 TEST(PersonMeshTest, StepsLengthenWithSpeed) {
   Actor person = actorOf(ActorKind::kPedestrian);
   const auto longestStep = [&](double speed) {

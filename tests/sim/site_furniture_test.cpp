@@ -76,6 +76,7 @@ const std::vector<Piece>& pieces() {
        1.4,
        0,
        true},
+      {"machine", addMachine, {1.3, 1.3}, 0.65, 2.4, 0, true},
       {"rack", addRackBay, {2.9, 1.3}, 4.3, 4.6, 0, true},
   };
   return kPieces;
@@ -195,6 +196,22 @@ TEST(MachineMeshTest, FillsTheActorsSizeAndStandsOnTheGround) {
     EXPECT_GT(box.sizes().x(), 0.75 * actor.size.x()) << number;
     EXPECT_LT(box.sizes().y(), 1.3 * actor.size.y()) << number;
     EXPECT_GT(box.sizes().z(), 0.85 * actor.size.z()) << number;
+  }
+}
+
+TEST(MachinesTest, StandClearOfWherePeopleAndTheRobotGo) {
+  Site site;
+  site.area = rectangle(0, 0, 12, 8);
+  site.destinations = {{1, 1}};
+  site.robot_stops = {{6, 4}};
+  SiteBuilder builder(site);
+  Random random(2);
+  addMachines(builder, 12, random);
+  EXPECT_GE(site.obstacles.size(), 12u);
+  for (const Footprint& machine : site.obstacles) {
+    EXPECT_GT((machine.centre - site.destinations[0]).norm(), 0.8);
+    EXPECT_GT((machine.centre - site.robot_stops[0]).norm(), 0.8);
+    EXPECT_TRUE(site.area.contains(machine.centre));
   }
 }
 

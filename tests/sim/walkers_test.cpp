@@ -79,6 +79,20 @@ TEST(WalkersTest, OnlyAsManySitOrStandAboutAsThereArePlaces) {
   }
 }
 
+TEST(WalkersTest, VariedBodiesWalkTheSameWays) {
+  WalkersFloor usual, varied;
+  varied.params.traffic.varied_bodies = true;
+  usual.make();
+  varied.make();
+  ASSERT_EQ(usual.people().size(), varied.people().size());
+  bool differ = false;
+  for (std::size_t i = 0; i < usual.people().size(); ++i) {
+    EXPECT_EQ(usual.people()[i].position, varied.people()[i].position);
+    differ = differ || usual.people()[i].size != varied.people()[i].size;
+  }
+  EXPECT_TRUE(differ);
+}
+
 TEST(WalkersTest, SpeedsSpreadAboutTheMeanAskedFor) {
   WalkersFloor floor;
   floor.site.area = rectangle(0, 0, 40, 40);

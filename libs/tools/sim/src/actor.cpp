@@ -73,6 +73,23 @@ Actor drawActor(ActorKind kind, std::int64_t id, Random& random) {
   return actor;
 }
 
+void varyBody(Random& random, Actor& actor) {
+  const double height = random.uniform(1.1, 2.0);
+  actor.body.girth = random.uniform(0.85, 1.5);
+  const int kind = random.below(8);
+  if (actor.kind == ActorKind::kPedestrian && kind == 0) actor.kind = ActorKind::kSeatedPerson;
+  if (actor.kind == ActorKind::kSeatedPerson) {
+    actor.body.wheelchair = kind == 0;
+    actor.size = drawSize(actor.kind, random);
+    actor.size.z() = 0.5 + 0.47 * height;  // as in seatedMesh()
+    return;
+  }
+  actor.size.z() = height;
+  if (kind == 1) actor.body.bend_rad = random.uniform(0.3, 1.1);
+  if (kind == 2 || kind == 3) actor.body.load = PersonBody::Load::kCarried;
+  if (kind == 4) actor.body.load = PersonBody::Load::kPushed;
+}
+
 void swingLimbs(double dt, Actor& actor) {
   actor.gait += 2.0 * M_PI * actor.speed * dt / (0.55 + 0.62 * std::max(0.3, actor.speed));
 }

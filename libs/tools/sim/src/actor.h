@@ -32,11 +32,22 @@ enum class ActorKind {
 /// Whether it is a person on foot or seated.
 [[nodiscard]] bool isPerson(ActorKind kind);
 
+/// How a person differs from the usual one.
+struct PersonBody {
+  enum class Load { kNone, kCarried, kPushed };
+
+  double girth = 1.0;       ///< width of torso and limbs, by that of the usual one
+  double bend_rad = 0.0;    ///< of the trunk, forward
+  Load load = Load::kNone;  ///< a box before the chest, or a trolley
+  bool wheelchair = false;  ///< of a seated person
+};
+
 /// One thing with a truth box, moving or parked, at one instant.
 struct Actor {
   std::int64_t id = -1;
   ActorKind kind = ActorKind::kCar;
-  int look = 0;  ///< which picture of the atlas it wears, any number >= 0
+  int look = 0;     ///< which picture of the atlas it wears, any number >= 0
+  PersonBody body;  ///< of a person
   Eigen::Vector3d size = Eigen::Vector3d::Ones();  ///< length, width, height [m]
   Eigen::Vector3d position =
       Eigen::Vector3d::Zero();  ///< on the ground below its middle, world [m]
@@ -55,6 +66,9 @@ struct Actor {
 [[nodiscard]] Eigen::Vector3d drawSize(ActorKind kind, Random& random);
 /// An actor with picture and size of its own, nowhere yet.
 [[nodiscard]] Actor drawActor(ActorKind kind, std::int64_t id, Random& random);
+/// Gives a person on foot or seated another body: 1.1 to 2.0 m high, slim or broad, upright or
+/// bent, carrying, pushing, or in a wheelchair.
+void varyBody(Random& random, Actor& actor);
 /// Lets the limbs of a walking person swing on: one cycle is two steps, about 1.4 m at normal
 /// speed, less when slow.
 void swingLimbs(double dt, Actor& actor);

@@ -137,6 +137,38 @@ void addFrame(Mesh& mesh, const UvRect& uv) {
                {0.45F, 0.28F, 0.93F}, uv);
 }
 
+/// A box, x forward, its lower middle at `foot`.
+void addBox(Mesh& mesh, const Vector3f& foot, const Vector3f& size, const UvRect& uv) {
+  const auto corner = [&](float x, float y, float z) {
+    return Vector3f(foot + Vector3f(x, y, z).cwiseProduct(size));
+  };
+  for (const float side : {-0.5F, 0.5F}) {
+    mesh.addQuad(corner(side, -0.5F, 1), corner(side, 0.5F, 1), corner(side, 0.5F, 0),
+                 corner(side, -0.5F, 0), uv);
+    mesh.addQuad(corner(-0.5F, side, 1), corner(0.5F, side, 1), corner(0.5F, side, 0),
+                 corner(-0.5F, side, 0), uv);
+    mesh.addQuad(corner(-0.5F, -0.5F, side + 0.5F), corner(0.5F, -0.5F, side + 0.5F),
+                 corner(0.5F, 0.5F, side + 0.5F), corner(-0.5F, 0.5F, side + 0.5F), uv);
+  }
+}
+
+/// A box before the chest, or a trolley before the hips.
+void addLoad(Mesh& mesh, const PersonBody& body, float height, const PersonSkin& skin) {
+  if (body.load == PersonBody::Load::kCarried) {
+    addBox(mesh, {0.32F, 0, 0.5F * height}, {0.35F, 0.45F, 0.3F}, skin.bag);
+  } else if (body.load == PersonBody::Load::kPushed) {
+    addBox(mesh, {0.75F, 0, 0.15F}, {0.8F, 0.5F, 0.35F + 0.2F * height}, skin.bag);
+    addBox(mesh, {0.35F, 0, 0.95F}, {0.04F, 0.5F, 0.04F}, skin.shoes);
+  }
+}
+
+/// Makes a body broader or slimmer.
+void widen(Mesh& mesh, double girth) {
+  for (auto& triangle : mesh.triangles) {
+    for (auto& vertex : triangle) vertex.position.y() *= static_cast<float>(girth);
+  }
+}
+
 }  // namespace
 
 Mesh personMesh(const Actor& actor) {
@@ -160,11 +192,19 @@ Mesh personMesh(const Actor& actor) {
   Mesh mesh;
   addLeg(mesh, hips + Vector3f(0, 0.05F * height, 0), height, left, skin);
   addLeg(mesh, hips - Vector3f(0, 0.05F * height, 0), height, right, skin);
-  const float lean = 0.05F * amount;
+  const float lean = 0.05F * amount + static_cast<float>(actor.body.bend_rad);
   const Vector3f shoulders = hips + 0.265F * height * Vector3f(std::sin(lean), 0, std::cos(lean));
-  addArm(mesh, shoulders + Vector3f(0, 0.135F * height, 0), height, left, skin);
-  addArm(mesh, shoulders - Vector3f(0, 0.135F * height, 0), height, right, skin);
+  const auto arm = [&](Swing s) {
+    if (actor.body.load == PersonBody::Load::kNone) return s;
+    s.shoulder = 0.5F;
+    s.elbow = 0.9F;
+    return s;
+  };
+  addArm(mesh, shoulders + Vector3f(0, 0.135F * height, 0), height, arm(left), skin);
+  addArm(mesh, shoulders - Vector3f(0, 0.135F * height, 0), height, arm(right), skin);
   addTrunk(mesh, hips, height, lean, skin, actor.look % 3 == 0);
+  widen(mesh, actor.body.girth);
+  addLoad(mesh, actor.body, height, skin);
   return mesh;
 }
 
@@ -195,6 +235,15 @@ Mesh seatedMesh(const Actor& actor) {
     addArm(mesh, shoulder, height, s, skin);
   }
   addTrunk(mesh, hips, height, -0.05F, skin, false);
+  widen(mesh, actor.body.girth);
+  if (!actor.body.wheelchair) return mesh;
+  addBox(mesh, {-0.2F, 0, 0.4F}, {0.45F, 0.45F, 0.06F}, skin.bag);
+  addBox(mesh, {-0.42F, 0, 0.46F}, {0.04F, 0.45F, 0.45F}, skin.bag);
+  for (const float side : {0.28F, -0.28F}) {
+    Mesh wheel;
+    addWheel(wheel, -0.25F, 0.3F, skin.shoes);
+    mesh.append(moved(wheel, Eigen::Matrix3f::Identity(), {0, side, 0}));
+  }
   return mesh;
 }
 

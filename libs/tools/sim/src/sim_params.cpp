@@ -48,6 +48,9 @@ void WorldParams::describe(Params::Section section) {
   section.add("moved_ratio", moved_ratio, 0.0, 1.0, "",
               "Ratio of the furniture and loads of hall, campus or warehouse that are otherwise "
               "than the seed places them");
+  section.add("machines", machines, 0, 200, "",
+              "Machines and furniture of random shapes beside the walls of hall, campus or "
+              "warehouse");
   section.add("identical_racks", identical_racks,
               "All bays of a warehouse's racks are loaded like the first");
 }
@@ -80,6 +83,9 @@ void TrafficParams::describe(Params::Section section) {
               "warehouse");
   section.add("idle_people", idle_people, 0, 100, "",
               "People who sit or stand about in hall, campus or warehouse");
+  section.add("varied_bodies", varied_bodies,
+              "People in hall, campus or warehouse are 1.1 to 2.0 m high, slim or broad, bent, "
+              "carry, push, or sit in wheelchairs");
   section.add("encounter_ratio", encounter_ratio, 0.0, 1.0, "",
               "Of the walkers' ways in hall, campus or warehouse, those that meet the robot");
   section.add("range_ahead_m", range_ahead_m, 20.0, 250.0, "m",

@@ -16,6 +16,7 @@
 #include "furniture.h"
 #include "mesh_projection.h"
 #include "site.h"
+#include "site_furniture.h"
 #include "stereo_rig.h"
 #include "street.h"
 #include "textures.h"
@@ -194,7 +195,8 @@ enum SitePurpose : std::uint64_t {
   kBicycleSeed,
   kStartSeed,
   kEncounterSeed = 509,
-  kCoverSeed = 512
+  kCoverSeed = 512,
+  kMachineSeed
 };
 
 /// Distance of a stop to the middle of the nearest drop [m].
@@ -234,13 +236,23 @@ Site makeSite(const WorldParams& params, const Grain& grain, std::uint64_t seed)
   return makeHall(params, grain, seed);
 }
 
+/// With machines that `params` ask for, at places of their own seed.
+Site withMachines(Site site, const WorldParams& params, std::uint64_t seed) {
+  if (params.machines == 0) return site;
+  Random random(seed);
+  SiteBuilder builder(site);
+  addMachines(builder, params.machines, random);
+  return site;
+}
+
 }  // namespace
 
 SiteEnvironment::SiteEnvironment(const SimParams& params, const StereoCamera& camera, Driver driver)
     : seed_(static_cast<std::uint64_t>(params.world.seed)),
       grain_(seedOf({seed_, kGrainSeed})),
-      site_(withStart(makeSite(params.world, grain_, seedOf({seed_, kLayoutSeed})),
-                      seedOf({seed_, kStartSeed}))),
+      site_(withMachines(withStart(makeSite(params.world, grain_, seedOf({seed_, kLayoutSeed})),
+                                   seedOf({seed_, kStartSeed})),
+                         params.world, seedOf({seed_, kMachineSeed}))),
       grid_(site_),
       robot_(driver == Driver::kCaller
                  ? steeredRobot(params, site_, grid_, seed_)

@@ -2,10 +2,13 @@
 // Furniture of halls, campuses and warehouses.
 #include "site_furniture.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 #include "furniture.h"
+#include "navigation_grid.h"
 
 namespace headway::sim {
 namespace {
@@ -233,6 +236,111 @@ void addRackBay(SiteBuilder& builder, const Spot& at, Random& random) {
     }
   }
   builder.block({at.position, {length, depth}, at.yaw});
+}
+
+namespace {
+
+Material drawMachineMaterial(Random& random) {
+  constexpr std::array kMaterials = {
+      Material::kSteel,    Material::kBlueSteel, Material::kFabric,  Material::kCardboard,
+      Material::kDarkWood, Material::kBooks,     Material::kNotices, Material::kBlackPlastic};
+  return kMaterials[static_cast<std::size_t>(random.below(kMaterials.size()))];
+}
+
+/// A part of a machine in the middle of its spot, of a material of its own.
+void addMachinePart(SiteBuilder& builder, const Spot& at, const Eigen::Vector3d& size, double base,
+                    Random& random) {
+  builder.part(at, {0, 0}, size, base, drawMachineMaterial(random));
+}
+
+void addStack(SiteBuilder& builder, const Spot& at, double height, Random& random) {
+  const int boxes = 1 + random.below(4);
+  double base = 0.0;
+  for (int i = 0; i < boxes; ++i) {
+    const double top = i + 1 == boxes ? height : base + random.uniform(0.2, 0.8) * (height - base);
+    const double turn = random.uniform(-0.4, 0.4);
+    const double depth = random.uniform(0.15, 0.6);
+    const double width = random.uniform(0.15, 0.9);
+    addMachinePart(builder, spotAt(at, 0.0, 0.0, turn, false), {depth, width, top - base}, base,
+                   random);
+    base = top;
+  }
+}
+
+void addPost(SiteBuilder& builder, const Spot& at, double height, Random& random) {
+  const double foot = random.uniform(0.2, 0.6);
+  const double post = random.uniform(0.03, 0.25);
+  const double head = random.uniform(0.1, 0.5);
+  const double width = random.uniform(0.15, 0.7);
+  addMachinePart(builder, at, {foot, foot, 0.1}, 0.0, random);
+  addMachinePart(builder, at, {post, post, height}, 0.0, random);
+  addMachinePart(builder, at, {0.5 * width, width, head}, height - head, random);
+}
+
+void addFrame(SiteBuilder& builder, const Spot& at, double height, Random& random) {
+  const double depth = random.uniform(0.4, 0.7);
+  const double width = random.uniform(0.5, 1.1);
+  addLegs(builder, at, {depth, width}, height, Material::kSteel);
+  for (double level = 0.15; level < height; level += random.uniform(0.3, 0.8)) {
+    builder.part(at, {0, 0}, {depth, width, 0.03}, level, Material::kSteel);
+    if (random.chance(0.5)) continue;
+    const double load = random.uniform(0.3, 0.7) * width;
+    addMachinePart(builder, at, {0.8 * depth, load, 0.2}, level + 0.03, random);
+  }
+}
+
+void addClothes(SiteBuilder& builder, const Spot& at, double height, Random& random) {
+  builder.part(at, {0, 0}, {0.05, 0.05, height}, 0.0, Material::kDarkWood);
+  builder.part(at, {0, 0}, {0.4, 0.4, 0.04}, 0.0, Material::kDarkWood);
+  const int coats = 1 + random.below(3);
+  for (int i = 0; i < coats; ++i) {
+    const double length = random.uniform(0.5, 1.0);
+    const double width = random.uniform(0.3, 0.5);
+    const double turn = random.uniform(-M_PI, M_PI);
+    builder.part(spotAt(at, 0.0, 0.0, turn, false), {0.12, 0.0}, {0.18, width, length},
+                 std::max(0.05, height - 0.15 - length), Material::kFabric);
+  }
+}
+
+}  // namespace
+
+void addMachine(SiteBuilder& builder, const Spot& at, Random& random) {
+  const double height = random.uniform(0.7, 2.1);
+  switch (random.below(4)) {
+    case 0:
+      return addStack(builder, at, height, random);
+    case 1:
+      return addPost(builder, at, height, random);
+    case 2:
+      return addFrame(builder, at, height, random);
+    default:
+      return addClothes(builder, at, height, random);
+  }
+}
+
+void addMachines(SiteBuilder& builder, int count, Random& random) {
+  const Site& site = builder.site();
+  const NavigationGrid grid(site);
+  const auto isFree = [&](const Eigen::Vector2d& at) {
+    const auto isNear = [&](const Eigen::Vector2d& place) { return (place - at).norm() < 1.0; };
+    const double clearance = grid.clearance(at);
+    return clearance > 0.25 && clearance < 0.5 &&
+           std::none_of(site.destinations.begin(), site.destinations.end(), isNear) &&
+           std::none_of(site.robot_stops.begin(), site.robot_stops.end(), isNear) &&
+           std::none_of(site.spots.begin(), site.spots.end(),
+                        [&](const Spot& spot) { return isNear(spot.position); });
+  };
+  for (int i = 0; i < count; ++i) {
+    for (int tries = 0; tries < 100; ++tries) {
+      const double x = random.uniform(), y = random.uniform();
+      const Eigen::Vector2d at =
+          site.area.min() + site.area.sizes().cwiseProduct(Eigen::Vector2d(x, y));
+      if (!isFree(at)) continue;
+      const double yaw = random.uniform(-M_PI, M_PI);
+      addMachine(builder, {at, yaw}, random);
+      break;
+    }
+  }
 }
 
 }  // namespace headway::sim

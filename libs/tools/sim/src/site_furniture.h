@@ -43,4 +43,11 @@ inline constexpr RackBay kRackBay{};
 /// Bay of a pallet rack, its length along x, with loads on three levels.
 void addRackBay(SiteBuilder& builder, const Spot& at, Random& random);
 
+/// A machine or a piece of furniture of a random shape, 0.7 to 2.1 m high: stacked boxes, a post
+/// with a head, a frame with shelves, or clothes on a stand.
+void addMachine(SiteBuilder& builder, const Spot& at, Random& random);
+/// Machines at random places beside what stands on the floor, clear of all that people and the
+/// robot go to.
+void addMachines(SiteBuilder& builder, int count, Random& random);
+
 }  // namespace headway::sim

@@ -47,10 +47,11 @@ Eigen::Vector2d sideStep(const Eigen::Vector2d& to, const Eigen::Vector2d& veloc
 
 Walkers::Walkers(const TrafficParams& params, const Site& site, const NavigationGrid& grid,
                  std::uint64_t seed)
-    : params_(params), site_(site), grid_(grid), random_(seed) {}
+    : params_(params), site_(site), grid_(grid), random_(seed), bodies_(seedOf({seed, 1})) {}
 
 void Walkers::addActor(const Person& person, ActorKind kind, double yaw, std::int64_t& next_id) {
   Actor actor = drawActor(kind, next_id++, random_);
+  if (params_.varied_bodies) varyBody(bodies_, actor);
   actor.gait = random_.uniform(0.0, 2.0 * M_PI);
   actor.yaw = yaw;
   actors_.push_back(actor);

@@ -78,6 +78,7 @@ class Walkers {
   const Site& site_;
   const NavigationGrid& grid_;
   Random random_;
+  Random bodies_;               ///< varied ones
   std::vector<Person> people_;  ///< same order as actors_
   std::vector<Actor> actors_;
 };

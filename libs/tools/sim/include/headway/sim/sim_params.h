@@ -42,6 +42,7 @@ struct WorldParams {
   double hill_height_m = 0.0;  ///< rise and fall of lane and loop routes
   double fence_ratio = 0.0;    ///< of the frontage with picket fences or railings before it
   double moved_ratio = 0.0;    ///< of the furniture and loads, otherwise than the seed places them
+  int machines = 0;            ///< of random shapes beside the walls of hall, campus, warehouse
   bool identical_racks = false;  ///< a warehouse's bays are all loaded like the first
 
   void describe(Params::Section section);
@@ -68,6 +69,7 @@ struct TrafficParams {
   double image_share = 0.0;             ///< of the left image that actors cover; 0: as it comes
   double cover = 0.0;   ///< of the view, by people who walk before the camera; not in streets
   int idle_people = 0;  ///< of hall, campus, warehouse: they sit or stand about
+  bool varied_bodies = false;     ///< people of 1.1 to 2.0 m: broad, bent, carrying, in wheelchairs
   double encounter_ratio = 0.35;  ///< of their walkers' ways, those that meet the robot
   double range_ahead_m = 100.0;   ///< actors live up to here ahead of the robot
   double range_behind_m = 25.0;
