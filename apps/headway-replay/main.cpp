@@ -32,9 +32,10 @@ void describe(Options& options, CommandLine& line) {
   line.option(options.output, 'o', "output", "OUTDIR", "Folder for all results");
   line.option(options.detections, 0, "detections", "FILE",
               "Boxes per frame (KITTI or CSV) that replace the recorded ones");
-  line.option(options.detector, 0, "detector", "NAME",
-              "Source of boxes: auto, none, recorded (rawlog or --detections), stereo_motion, "
-              "dnn, hog, or several joined by +; default: detect.detector of the configuration");
+  line.option(
+      options.detector, 0, "detector", "NAME",
+      "Source of boxes: auto, none, recorded (rawlog or --detections), stereo_motion, "
+      "dnn, hog, shape, or several joined by +; default: detect.detector of the configuration");
   line.option(options.check_model, 0, "check-model", "FILE",
               "Run this network on a bundled frame and print what it detects; no -i, no -o");
   line.option(options.get_model, 0, "get-model", "NAME",

@@ -111,6 +111,22 @@ TEST(FuseTest, TwoHalvesOfOneObjectDoNotBecomeASecondOne) {
   EXPECT_TRUE(fuse({listOf({whole}), listOf({half})}).dropped.empty()) << "joined";
 }
 
+TEST(FuseTest, AClassifierThatMotionContradictsLeavesTheClassOpen) {
+  auto shape = seenAt(10, 5.0, ObjectClass::kPedestrian);
+  shape.evidence.classifier = true;
+  for (const auto by_motion :
+       {ObjectClass::kCyclist, ObjectClass::kPedestrian, ObjectClass::kUnknown}) {
+    auto moving = seenAt(14, 5.0, by_motion);
+    moving.evidence.motion = true;
+    const auto fused = fuse({listOf({moving}), listOf({shape})}).detections;
+    ASSERT_EQ(fused.items.size(), 1u);
+    const bool is_cyclist = by_motion == ObjectClass::kCyclist;
+    EXPECT_EQ(fused.items[0].object_class, is_cyclist ? by_motion : ObjectClass::kPedestrian);
+    EXPECT_EQ(fused.items[0].evidence.classifier, !is_cyclist);
+    EXPECT_TRUE(fused.items[0].evidence.motion);
+  }
+}
+
 TEST(MakeDetectorTest, NamesWhatThereIs) {
   try {
     (void)makeDetector("radar", DetectParams{});

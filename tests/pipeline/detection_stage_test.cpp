@@ -76,7 +76,7 @@ FrameDetections detectAll(DetectionStage& stage, const RecordedFrame& frame) {
 }
 
 TEST(DetectionStageTest, NamesAreChecked) {
-  for (const char* names : {"none", "auto", "recorded", "hog", "recorded+hog+stereo_motion"}) {
+  for (const char* names : {"none", "auto", "recorded", "hog", "shape", "recorded+hog+stereo_motion+shape"}) {
     EXPECT_NO_THROW(checkDetectorNames(names)) << names;
   }
   for (const char* names : {"", "radar", "dnn+", "none+hog", "hog+hog"}) {

@@ -112,7 +112,9 @@ const Scene& sceneFor(const std::string& section) {
 /// Settings by which the parameters of a section have an effect.
 std::vector<std::string> basis(const std::string& section) {
   if (section == "objects" || section == "detect") return {};
-  if (section == "hog" || section == "dnn") return {"detect.detector=" + section};
+  if (section == "hog" || section == "shape" || section == "dnn") {
+    return {"detect.detector=" + section};
+  }
   return {"detect.detector=stereo_motion", "grid.period_s=0.1"};
 }
 
@@ -207,13 +209,14 @@ TEST_P(ParameterEndsTest, AllAtOneEndRunOrAreRefused) {
 
 INSTANTIATE_TEST_SUITE_P(Street, ParameterEndsTest,
                          testing::Values("camera", "slam", "detect", "disparity", "stereo_motion",
-                                         "hog", "objects", "grid", "dense", "laser", "robot"),
+                                         "hog", "shape", "objects", "grid", "dense", "laser",
+                                         "robot"),
                          [](const auto& section) { return std::string(section.param); });
 
 TEST(ParameterRangesTest, AllHaveARangeThatIsTested) {
-  const std::vector<std::string> sections = {"camera",        "slam",  "detect", "disparity",
-                                             "stereo_motion", "hog",   "dnn",    "objects",
-                                             "grid",          "dense", "laser",  "robot"};
+  const std::vector<std::string> sections = {
+      "camera", "slam",    "detect", "disparity", "stereo_motion", "hog",  "shape",
+      "dnn",    "objects", "grid",   "dense",     "laser",         "robot"};
   std::size_t tested = 0;
   for (const auto& range : ranges()) {
     EXPECT_NE(sections.end(), std::find(sections.begin(), sections.end(), range.section));

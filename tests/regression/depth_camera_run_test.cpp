@@ -70,6 +70,26 @@ TEST_F(DepthCameraRunTest, IsEvaluatedAsAnyOtherRun) {
   EXPECT_EQ(0, evaluated.status) << evaluated.output;
 }
 
+TEST_F(DepthCameraRunTest, FindsPeopleWhoStandByTheirShape) {
+  const auto alone = test::replay(*folder_ / "hall.rawlog", *folder_ / "alone",
+                                  "--snapshots 0 --detector stereo_motion+shape");
+  ASSERT_EQ(0, alone.process.status) << alone.process.output;
+  const std::string figures = (*folder_ / "people.json").string();
+  const auto evaluated = test::runProcess(
+      test::program("headway-eval") + " people " + (*folder_ / "alone").string() + " --truth " +
+      (*folder_ / "hall.truth").string() + " --reach 4 --json " + figures);
+  ASSERT_EQ(0, evaluated.status) << evaluated.output;
+  const auto people = nlohmann::json::parse(test::contentsOf(figures));
+  double standing = 0.0, found = 0.0;
+  for (const auto& [range, cell] : people.at("standing").items()) {
+    standing += cell.at("person_frames").get<double>();
+    found += cell.at("found").get<double>();
+  }
+  EXPECT_GT(standing, 20.0);
+  EXPECT_GT(found, 0.7 * standing);
+  EXPECT_LT(people.at("false_rows").get<double>(), 0.05 * people.at("rows").get<double>());
+}
+
 TEST_F(DepthCameraRunTest, LocalisesInTheMapOfAnEarlierRun) {
   const auto again = test::replay(
       *folder_ / "hall.rawlog", *folder_ / "again",

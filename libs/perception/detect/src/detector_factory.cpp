@@ -16,6 +16,7 @@ void DetectParams::describe(Params& params) {
   stereo_motion.describe(params.section("stereo_motion"));
   network.describe(params.section("dnn"));
   person.describe(params.section("hog"));
+  shape.describe(params.section("shape"));
 }
 
 void DetectParams::validate() const {
@@ -24,7 +25,7 @@ void DetectParams::validate() const {
 }
 
 const std::vector<std::string>& detectorNames() {
-  static const std::vector<std::string> names = {"stereo_motion", "dnn", "hog"};
+  static const std::vector<std::string> names = {"stereo_motion", "dnn", "hog", "shape"};
   return names;
 }
 

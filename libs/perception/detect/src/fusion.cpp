@@ -50,7 +50,9 @@ void complete(Detection& kept, const Detection& other, const FusionParams& param
   if (!kept.searched_track) kept.searched_track = other.searched_track;
   if (!kept.mask) kept.mask = other.mask;
   if (!kept.appearance) kept.appearance = other.appearance;
-  kept.evidence.classifier = kept.evidence.classifier || other.evidence.classifier;
+  // A classifier that is told otherwise by motion leaves the class open.
+  kept.evidence.classifier = kept.evidence.classifier ||
+                             (other.evidence.classifier && kept.object_class == other.object_class);
   kept.evidence.motion = kept.evidence.motion || other.evidence.motion;
   kept.evidence.change = kept.evidence.change || other.evidence.change;
   kept.evidence.flow = kept.evidence.flow || other.evidence.flow;

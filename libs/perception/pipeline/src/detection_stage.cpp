@@ -5,6 +5,7 @@
 #include <headway/core/error.h>
 #include <headway/detect/fusion.h>
 #include <headway/detect/stereo_lifter.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +16,7 @@ namespace headway::pipeline {
 namespace {
 
 constexpr const char* kMotionDetector = "stereo_motion";
+constexpr const char* kShapeDetector = "shape";
 constexpr const char* kNetworkDetector = "dnn";
 constexpr double kTestedDisparity_px = 8.0;  // from which motion along the line of sight shows
 
@@ -39,13 +41,16 @@ void correctTrucks(const StereoCamera& camera, const detect::StereoLifter& lifte
   }
 }
 
-/// Records which detectors evaluated the frame of these detections.
-void setTested(bool by_motion, const StereoCamera& camera, Detections& detections) {
+/// Records which detectors evaluated the frame of these detections. That shapes do not show a
+/// person says nothing against one; what they show moves by its motion only.
+void setTested(bool by_network, bool by_motion, const StereoCamera& camera,
+               Detections& detections) {
   double range = camera.fx * camera.baseline_m / kTestedDisparity_px;
   if (camera.isDepthCamera()) range = std::min(range, camera.depth_reach_m);
   for (Detection& item : detections.items) {
-    item.evidence.classifier_tested = true;
-    item.evidence.motion_tested = by_motion && item.box3d && item.box3d->centre.z() < range;
+    item.evidence.classifier_tested = by_network || item.evidence.classifier;
+    item.evidence.motion_tested = by_motion && item.evidence.classifier_tested && item.box3d &&
+                                  item.box3d->centre.z() < range;
   }
 }
 
@@ -74,6 +79,10 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
   for (const auto& name : names) {
     if (name == kMotionDetector) {
       stereo_motion_.emplace(camera_, params.detect.stereo_motion);
+    } else if (name == kShapeDetector) {
+      // On real streets it takes edges of vehicles for people now and then: unasked on robots only.
+      const bool is_robot = stereo::rigCapability(*camera_).meets_drops;
+      if (is_robot || !automatic_) shape_.emplace(params.detect.shape);
     } else {
       detectors_.push_back(detect::makeDetector(name, params.detect));
     }
@@ -125,7 +134,7 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   ObjectDetections boxes;
   boxes.context = context;
   if (use_recorded_) addRecorded(frame, boxes);
-  const bool has_detectors = stereo_motion_ || (!automatic_ && !detectors_.empty());
+  const bool has_detectors = stereo_motion_ || (!automatic_ && (shape_ || !detectors_.empty()));
   // A frame of boxes or poses alone does not take the turn of one with images.
   boxes.detectors_run = frame.stereo && is_new && isDue(frame.time) && has_detectors;
   if (boxes.detectors_run) {
@@ -137,7 +146,7 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   }
   boxes.lifting =
       frame.stereo && std::any_of(boxes.sources.begin(), boxes.sources.end(), lackDepth);
-  if (boxes.lifting || (boxes.detectors_run && stereo_motion_) || ground_scanned) {
+  if (boxes.lifting || (boxes.detectors_run && (stereo_motion_ || shape_)) || ground_scanned) {
     context->startMatching(matcher_);  // while SLAM runs
   }
   boxes.elapsed_ms = millisecondsSince(start);
@@ -161,6 +170,8 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
     found.motion = previous;
     found.motion.static_points.clear();
   }
+  const bool by_shape = shape_ && boxes.detectors_run;
+  if (by_shape) sources.push_back(shape_->detect(*boxes.context));
   detect::FusionParams fusion;
   fusion.rider_by_motion = boxes.classified;
   if (!sources.empty()) {
@@ -176,7 +187,9 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
     if (may_correct) correctTrucks(*camera_, lifter, *found.fused);
     if (lacking) detect::liftAll(*found.fused, lifter);
   }
-  if (may_correct) setTested(found.motion.tested, *camera_, *found.fused);
+  if (may_correct || by_shape) {
+    setTested(may_correct, found.motion.tested, *camera_, *found.fused);
+  }
   found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
   return found;
 }

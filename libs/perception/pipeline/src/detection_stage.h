@@ -6,6 +6,7 @@
 #include <headway/core/recorded_frame.h>
 #include <headway/core/worker_thread.h>
 #include <headway/detect/detector.h>
+#include <headway/detect/people_by_shape.h>
 #include <headway/detect/stereo_motion.h>
 #include <headway/pipeline/perception_params.h>
 #include <headway/stereo/frame_context.h>
@@ -102,6 +103,7 @@ class DetectionStage {
   std::optional<Time> last_images_;
   std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
+  std::optional<detect::PeopleByShape> shape_;
   WorkerThread matcher_;  ///< for stereo matching while SLAM runs
 };
 

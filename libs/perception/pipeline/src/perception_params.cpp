@@ -14,6 +14,7 @@ constexpr const char* kNone = "none";
 constexpr const char* kAuto = "auto";
 constexpr const char* kRecorded = "recorded";
 constexpr const char* kStereoMotion = "stereo_motion";
+constexpr const char* kShape = "shape";
 constexpr const char* kNetwork = "dnn";
 
 /// Of detection in live operation with a network: a pass of YOLOX-nano takes 63 ms of one core, and
@@ -42,9 +43,9 @@ std::string choices() {
 void DetectionParams::describe(Params& params) {
   params.section("detect").user().add(
       "detector", detector,
-      "Source of detections: auto (unless boxes are recorded, stereo_motion, with dnn if there is "
-      "a model), none, recorded, "
-      "stereo_motion, dnn, hog, or several joined by +");
+      "Source of detections: auto (unless boxes are recorded, stereo_motion, shape on robots, dnn "
+      "if there is a model), none, recorded, "
+      "stereo_motion, dnn, hog, shape, or several joined by +");
   params.section("detect").add(
       "recorded_timeout_s", recorded_timeout_s, 0.1, 1e4, "s",
       "Time without recorded boxes after which stereo_motion runs until they return (auto)");
@@ -80,8 +81,8 @@ bool usesRecordedBoxes(const std::string& names) {
 std::vector<std::string> imageDetectors(const DetectionParams& params) {
   const std::string& names = params.detector;
   if (names == kAuto) {
-    if (detect::findModel(params.detect.network).empty()) return {kStereoMotion};
-    return {kNetwork, kStereoMotion};
+    if (detect::findModel(params.detect.network).empty()) return {kStereoMotion, kShape};
+    return {kNetwork, kStereoMotion, kShape};
   }
   if (names == kNone) return {};
   auto result = split(names);

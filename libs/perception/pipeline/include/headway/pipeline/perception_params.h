@@ -16,11 +16,13 @@
 
 namespace headway::pipeline {
 
-/// Sources of detections. Sections [detect], [disparity], [stereo_motion], [dnn] and [hog].
+/// Sources of detections. Sections [detect], [disparity], [stereo_motion], [dnn], [hog] and
+/// [shape].
 struct DetectionParams {
   /// "none", "auto", or names joined by "+": "recorded" and those of detect::detectorNames().
-  /// "auto" is stereo_motion, with dnn if detect::findModel() finds a model, until the first
-  /// recorded boxes, and while they are missing; otherwise the recorded boxes only.
+  /// "auto" is stereo_motion, with shape on robots (RigCapability::meets_drops), with dnn if
+  /// detect::findModel() finds a model, until the first recorded boxes, and while they are missing;
+  /// otherwise the recorded boxes only.
   std::string detector = "auto";
   /// Time without recorded boxes after which they count as missing; with "auto", stereo_motion runs
   /// until they return [s].
