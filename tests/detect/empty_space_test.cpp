@@ -31,7 +31,7 @@ class EmptySpaceTest : public testing::Test {
     if (person) cells = grid.draw(*person, kPerson, 0.5, 0.0, 1.7);
     path_.advance(0.1 * frame_++, Pose::Identity());
     standing_ = standingCells(grid.disparity, grid.camera, grid.ground, kReach);
-    is_new_ = space_.enter(grid.disparity, standing_, grid.ground, path_, grid.ground.up);
+    is_new_ = space_.enter(grid.disparity, standing_, grid.ground, {}, path_, grid.ground.up);
     disparity_ = grid.disparity;
     Newcomers seen;
     seen.all = cv::countNonZero(is_new_ == EmptySpace::kNew);

@@ -23,9 +23,9 @@ int slabOf(double height) { return static_cast<int>(std::floor(height / kSlab - 
 /// Where the points of a frame are: over the ground in the world, and above it.
 class EmptySpace::View {
  public:
-  View(const StereoCamera& camera, const stereo::GroundPlane& ground, const CameraPath& path,
-       const Eigen::Matrix<double, 2, 3>& ground_axes)
-      : camera_(camera) {
+  View(const StereoCamera& camera, const stereo::GroundPlane& ground, const DisparityDrift& drift,
+       const CameraPath& path, const Eigen::Matrix<double, 2, 3>& ground_axes)
+      : camera_(camera), drift_(drift) {
     const Pose T_world_cam = path.T_cam_world(path.newest()).inverse();
     origin << ground_axes * T_world_cam.translation(), ground.camera_height;
     axes_ << ground_axes * T_world_cam.linear(), ground.up.transpose();
@@ -37,7 +37,9 @@ class EmptySpace::View {
   }
   /// Error that a depth hardly ever exceeds [m].
   [[nodiscard]] double marginAt(double depth) const {
-    return kSureSigmas * kCellSigma * depth * depth / (camera_.fx * camera_.baseline_m) + kSquare;
+    const double fb = camera_.fx * camera_.baseline_m;
+    const double sigma_px = std::hypot(kCellSigma, drift_.at(fb / depth));
+    return kSureSigmas * sigma_px * depth * depth / fb + kSquare;
   }
   [[nodiscard]] double depthOf(double disparity) const {
     return camera_.fx * camera_.baseline_m / disparity;
@@ -47,6 +49,7 @@ class EmptySpace::View {
 
  private:
   const StereoCamera& camera_;
+  const DisparityDrift& drift_;
   Eigen::Matrix3d axes_;
 };
 
@@ -54,14 +57,14 @@ EmptySpace::EmptySpace(const StereoCamera& camera, double reach_m)
     : camera_(camera), reach_m_(std::min(kMaxReach, reach_m)) {}
 
 cv::Mat EmptySpace::enter(const stereo::DisparityImage& disparity, const StandingCells& standing,
-                          const stereo::GroundPlane& ground, const CameraPath& path,
-                          const Eigen::Vector3d& up) {
+                          const stereo::GroundPlane& ground, const DisparityDrift& drift,
+                          const CameraPath& path, const Eigen::Vector3d& up) {
   if (stacks_.empty()) {
     stacks_.resize(static_cast<std::size_t>(kSide * kSide));
     ground_axes_.row(0) = up.unitOrthogonal().transpose();
     ground_axes_.row(1) = up.cross(up.unitOrthogonal()).transpose();
   }
-  const View view(camera_, ground, path, ground_axes_);
+  const View view(camera_, ground, drift, path, ground_axes_);
   camera_x_ = squareOf(view.origin.x());
   camera_y_ = squareOf(view.origin.y());
   cv::Mat is_new(standing.disparities.size(), CV_8U, cv::Scalar(0));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "camera_path.h"
+#include "disparity_drift.h"
 #include "upright_segments.h"
 
 namespace headway::detect {
@@ -16,10 +17,11 @@ namespace headway::detect {
 /// moves: head-on too, and when it has stopped.
 ///
 /// Every line of sight passes through empty space, up to three standard deviations before the
-/// surface that ends it. Voxels of 0.1 x 0.1 x 0.4 m, in the world of the camera's path, count the
-/// seconds for which they were empty, less those for which a surface was in them, so that single
-/// wrong matches prove nothing. What stands in a voxel that was proved to be empty is new there,
-/// and remains so for about 20 s, until it belongs to the scene.
+/// surface that ends it: of a cell's disparity and of its drift, which is measured. Voxels of 0.1 x
+/// 0.1 x 0.4 m, in the world of the camera's path, count the seconds for which they were empty,
+/// less those for which a surface was in them, so that single wrong matches prove nothing. What
+/// stands in a voxel that was proved to be empty is new there, and remains so for about 20 s, until
+/// it belongs to the scene.
 ///
 /// @see  Azim & Aycard 2012, "Detection, classification and tracking of moving objects in a 3D
 ///       environment" (changes of occupancy)
@@ -37,7 +39,8 @@ class EmptySpace {
   ///            this frame, kUndecided where neither that is known nor a surface was before, else 0
   [[nodiscard]] cv::Mat enter(const stereo::DisparityImage& disparity,
                               const StandingCells& standing, const stereo::GroundPlane& ground,
-                              const CameraPath& path, const Eigen::Vector3d& up);
+                              const DisparityDrift& drift, const CameraPath& path,
+                              const Eigen::Vector3d& up);
 
   /// Distance over the ground up to which space is remembered [m].
   [[nodiscard]] double reach() const { return reach_m_; }

@@ -374,6 +374,7 @@ void MovingObjectFinder::addSegments(const MotionFrame& frame, bool newcomers,
     MovingObject object;
     object.evidence.motion = moves;
     object.evidence.change = newcomers;
+    object.evidence.motion_tested = newcomers;
     object.extent = std::move(*extent);
     object.velocity = *velocity;
     object.first_frame = frame.path.oldest();

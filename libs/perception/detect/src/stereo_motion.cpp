@@ -162,7 +162,7 @@ class StereoMotion::Implementation {
     if (ground_) {
       const auto standing =
           standingCells(disparity_, *camera_, *ground_, params_.max_segment_range_m);
-      const auto is_new = empty_space_.enter(disparity_, standing, *ground_, path_, up_);
+      const auto is_new = empty_space_.enter(disparity_, standing, *ground_, drift_, path_, up_);
       auto new_ones = newcomers(is_new, standing, disparity_, *camera_, *ground_);
       segments_.follow(segmentsByFlow(disparity_, flow, *camera_, standing, std::move(new_ones)),
                        path_, up_);
