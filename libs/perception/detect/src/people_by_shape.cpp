@@ -89,8 +89,8 @@ std::vector<Found> distinct(std::vector<Found> found) {
 }  // namespace
 
 void ShapeParams::describe(Params::Section section) {
-  section.user().add("min_score", min_score, 0.0, 1.0, "",
-                     "Minimum score of a person; smaller finds more people and more false ones");
+  section.add("min_score", min_score, 0.0, 1.0, "",
+              "Minimum score of a person; smaller finds more people and more false ones");
   section.add("max_range_m", max_range_m, 0.0, 50.0, "m",
               "Maximum distance; 0: as the rig's depths allow, by stereo 12 m at most");
 }
