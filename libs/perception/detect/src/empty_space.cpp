@@ -104,9 +104,9 @@ bool EmptySpace::isNewAt(const Eigen::Vector3d& place) {
   const int slab = std::clamp(slabOf(place.z()), 0, kSlabs - 1);
   Stack* stack = stackAt(x, y);
   if (stack == nullptr) return false;
-  Verdict& verdict = stack->voxels[slab].verdict;
-  if (verdict == Verdict::kNone) verdict = isNew(x, y, slab) ? Verdict::kNew : Verdict::kOld;
-  return verdict == Verdict::kNew;
+  Newness& newness = stack->voxels[slab].newness;
+  if (newness == Newness::kUnknown) newness = isNew(x, y, slab) ? Newness::kNew : Newness::kOld;
+  return newness == Newness::kNew;
 }
 
 // The voxel was empty, and no voxel beside it has a surface of the scene: edges of what is near
@@ -160,7 +160,7 @@ void EmptySpace::update(float seconds) {
             std::max(-kMaxFilled, voxel.empty - (voxel.empty < kProof ? seconds : seconds / kStay));
       }
       voxel.seen = Seen::kNothing;
-      voxel.verdict = Verdict::kNone;
+      voxel.newness = Newness::kUnknown;
     }
   }
 }

@@ -51,11 +51,11 @@ class EmptySpace {
   static constexpr int kSlabs = 5;
   static constexpr int kSide = 256;  ///< squares to a side of the remembered ground, a power of two
   enum class Seen : unsigned char { kNothing, kEmpty, kSurface };
-  enum class Verdict : unsigned char { kNone, kNew, kOld };
+  enum class Newness : unsigned char { kUnknown, kNew, kOld };
   struct Voxel {
-    float empty = 0.0F;                ///< for how long it was empty, less occupied [s]
-    Seen seen = Seen::kNothing;        ///< in this frame
-    Verdict verdict = Verdict::kNone;  ///< on what stands there in this frame
+    float empty = 0.0F;                   ///< for how long it was empty, less occupied [s]
+    Seen seen = Seen::kNothing;           ///< in this frame
+    Newness newness = Newness::kUnknown;  ///< on what stands there in this frame
   };
   /// Voxels above one square of the ground.
   struct Stack {

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "empty_space.h"
-#include "point_motion.h"
+#include "shape_patch.h"
 
 namespace headway::detect {
 namespace {
@@ -31,8 +31,7 @@ std::vector<Standing> standingOf(const cv::Mat& is_new, unsigned char wanted,
                                  const StandingCells& standing,
                                  const stereo::DisparityImage& disparity,
                                  const StereoCamera& camera, const stereo::GroundPlane& ground) {
-  const Eigen::Vector3d ahead = overGround(Eigen::Vector3d::UnitZ(), ground.up).normalized();
-  const Eigen::Vector3d right = ahead.cross(ground.up);
+  const auto [right, ahead] = axesAt(Eigen::Vector3d::UnitZ(), ground);
   std::vector<Standing> cells;
   for (int row = 0; row < is_new.rows; ++row) {
     for (int column = 0; column < is_new.cols; ++column) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "point_motion.h"
 #include "upright_segments.h"
 
 namespace headway::detect {
@@ -16,27 +17,16 @@ namespace {
 struct GroundCells {
   double cell_m = 0.1;
   double smoothing_m = 0.12;
-  int apart = 2;              ///< minimum distance of maxima
+  int apart = 2;               ///< minimum distance of maxima
   float min_area_m2 = 0.004F;  ///< visible above a maximum, after smoothing
 };
 constexpr GroundCells kGround{};
-
-/// Level axes of the camera: to the right and forward.
-struct LevelAxes {
-  Eigen::Vector3d right, forward;
-};
-
-LevelAxes levelAxes(const stereo::GroundPlane& ground) {
-  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d forward = (z - z.dot(ground.up) * ground.up).normalized();
-  return {forward.cross(ground.up), forward};
-}
 
 // Area that is seen above each cell of the ground, ahead of the camera [m^2].
 cv::Mat areasFromAbove(const stereo::DisparityImage& disparity, const StereoCamera& camera,
                        const stereo::GroundPlane& ground, double range_m) {
   const StandingCells standing = standingCells(disparity, camera, ground, range_m);
-  const auto [right, forward] = levelAxes(ground);
+  const auto [right, forward] = axesAt(Eigen::Vector3d::UnitZ(), ground);
   const int reach = static_cast<int>(std::ceil(range_m / kGround.cell_m));
   cv::Mat areas(reach + 1, 2 * reach + 1, CV_32F, cv::Scalar(0));
   const cv::Rect inside({0, 0}, areas.size());
@@ -69,7 +59,7 @@ std::vector<Eigen::Vector3d> standingPlaces(const stereo::DisparityImage& dispar
   cv::Mat highest;
   const int around = 2 * kGround.apart + 1;
   cv::dilate(areas, highest, cv::Mat::ones(around, around, CV_8U));
-  const auto [right, forward] = levelAxes(ground);
+  const auto [right, forward] = axesAt(Eigen::Vector3d::UnitZ(), ground);
   const int reach = areas.rows - 1;
   std::vector<Eigen::Vector3d> places;
   for (int row = 1; row < areas.rows; ++row) {
@@ -84,7 +74,7 @@ std::vector<Eigen::Vector3d> standingPlaces(const stereo::DisparityImage& dispar
 }
 
 ShapePatchAxes axesAt(const Eigen::Vector3d& place, const stereo::GroundPlane& ground) {
-  const Eigen::Vector3d away = (place - place.dot(ground.up) * ground.up).normalized();
+  const Eigen::Vector3d away = overGround(place, ground.up).normalized();
   return {away.cross(ground.up), away};
 }
 

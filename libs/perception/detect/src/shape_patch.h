@@ -36,13 +36,13 @@ inline constexpr ShapePatchLayout kShapePatch{};
                                                           const stereo::GroundPlane& ground,
                                                           double range_m);
 
-/// Directions of a patch at a place, unit length, camera frame.
+/// Level directions of a patch at a place, unit length, camera frame.
 struct ShapePatchAxes {
   Eigen::Vector3d across;  ///< to the right, level
   Eigen::Vector3d away;    ///< from the camera, level
 };
 
-/// @param place  on the ground, not below the camera
+/// @param place  not below or above the camera; (0, 0, 1): the axes of the camera itself
 [[nodiscard]] ShapePatchAxes axesAt(const Eigen::Vector3d& place,
                                     const stereo::GroundPlane& ground);
 

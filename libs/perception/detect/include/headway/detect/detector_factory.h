@@ -36,7 +36,7 @@ struct DetectParams {
 /// Makes a detector that works on single frames.
 ///
 /// @param name  one of detectorNames() but "stereo_motion" and "shape", which need more than a
-/// frame
+///              frame
 /// @throws      InputError for any other name, or a model that cannot be used
 [[nodiscard]] std::unique_ptr<Detector> makeDetector(const std::string& name,
                                                      const DetectParams& params);

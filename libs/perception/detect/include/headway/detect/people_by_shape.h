@@ -37,9 +37,8 @@ class PeopleByShape {
   ~PeopleByShape();
   PeopleByShape(PeopleByShape&&) noexcept;
 
-  /// @return  2D and 3D boxes of class Pedestrian with the covariance of their centres; the score
-  /// is
-  ///          the network's probability
+  /// @return  2D and 3D boxes of class Pedestrian with the covariance of their centres; the
+  ///          score is the network's probability
   [[nodiscard]] Detections detect(const stereo::FrameContext& context);
 
   /// To which distance shapes are told apart [m]: by stereo where the standard deviation of a depth
