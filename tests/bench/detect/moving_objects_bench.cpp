@@ -184,7 +184,6 @@ class Listing {
  private:
   static const char* by(const Reported& report) {
     return report.evidence.motion       ? ", by motion"
-           : report.evidence.flow       ? ", by flow"
            : report.evidence.appearance ? ", by appearance"
                                         : "";
   }

@@ -55,7 +55,6 @@ void complete(Detection& kept, const Detection& other, const FusionParams& param
                              (other.evidence.classifier && kept.object_class == other.object_class);
   kept.evidence.motion = kept.evidence.motion || other.evidence.motion;
   kept.evidence.change = kept.evidence.change || other.evidence.change;
-  kept.evidence.flow = kept.evidence.flow || other.evidence.flow;
   kept.evidence.appearance = kept.evidence.appearance || other.evidence.appearance;
   if (!kept.detector_id) kept.detector_id = other.detector_id;
 }

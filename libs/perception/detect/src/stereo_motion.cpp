@@ -258,7 +258,6 @@ class StereoMotion::Implementation {
     joinPieces(frame, *camera_, objects);
     setGroups(objects);
     const auto missing = withoutFound(searchedObjects(expected, path_, T_map_cam_), objects, path_);
-    detectByFlow(frame, missing, segments_.tracks(), *camera_, objects);
     detectByAppearance(frame, missing, ground_ ? empty_space_.reach() : 0.0, *camera_, objects);
     for (const MovingObject& object : objects) {
       const bool is_beyond = object.extent.box.centre.z() > reach_m_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detection of objects that the tracker expects, by less evidence: flow or appearance.
+// Detection of objects that the tracker expects, by less evidence: their appearance.
 #include "track_guided_detection.h"
 
 #include <headway/core/assignment.h>
@@ -15,49 +15,14 @@ namespace headway::detect {
 namespace {
 
 constexpr double kGate = 0.8;              // between an object and its expected place [m]
-constexpr double kFlowRatio = 0.5;         // and ratio of it to the expected one
 constexpr double kIndistinctTime = 0.7;    // in which it is searched though these coincide [s]
 constexpr double kMinVisibleRatio = 0.25;  // of the box left inside the image, of its width
 constexpr double kMinVisibleHeight = 8.0;  // [px]
-
-constexpr DetectionEvidence kByFlow{false, false, false, true, false};
-constexpr DetectionEvidence kByAppearance{false, false, false, false, true};
 
 double gateAt(double depth) { return kGate + kGatePerMetre * depth; }
 
 double depthOf(const Eigen::Vector3d& position, const CameraPath& path) {
   return (path.T_cam_world(path.newest()) * position).z();
-}
-
-bool flowsAs(const LateralSpeed& flow, double across) {
-  return std::abs(flow.speed) > kMinAcross + 2.0 * flow.sigma &&
-         std::abs(flow.speed - across) < kSureSigmas * flow.sigma + kFlowRatio * std::abs(across);
-}
-
-bool isUsed(const SegmentTrack& segment, const std::vector<MovingObject>& found) {
-  return std::any_of(found.begin(), found.end(), [&](const MovingObject& object) {
-    return std::find(object.segments.begin(), object.segments.end(), &segment) !=
-           object.segments.end();
-  });
-}
-
-// The unused segment nearest to the expected place that flows as expected; null if there is none.
-SegmentTrack* segmentOf(const SearchedObject& object, const MotionFrame& frame,
-                        std::vector<SegmentTrack>& segments,
-                        const std::vector<MovingObject>& found) {
-  const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());
-  const double across = T_cam_world.linear().row(0).dot(object.velocity.value);
-  SegmentTrack* nearest = nullptr;
-  double min_distance = gateAt(depthOf(object.position, frame.path));
-  for (auto& segment : segments) {
-    if (segment.last_frame != frame.path.newest() || !segment.segment.across) continue;
-    if (!flowsAs(*segment.segment.across, across) || isUsed(segment, found)) continue;
-    const double distance = overGround(segment.last_place - object.position, frame.up).norm();
-    if (distance >= min_distance) continue;
-    min_distance = distance;
-    nearest = &segment;
-  }
-  return nearest;
 }
 
 // Image coordinates of a template in a later image: shifted and scaled.
@@ -190,15 +155,16 @@ std::optional<ObjectExtent> extentByAppearance(const SearchedObject& object,
   return extent;
 }
 
-MovingObject detected(const SearchedObject& object, ObjectExtent extent,
-                      const DetectionEvidence& evidence, const MotionFrame& frame) {
+MovingObject detected(const SearchedObject& object, ObjectExtent extent, const MotionFrame& frame) {
   MovingObject result;
   result.extent = std::move(extent);
   result.velocity = object.velocity;
   result.first_frame = frame.path.newest();
-  result.evidence = evidence;
+  result.evidence = {};
+  result.evidence.appearance = true;
   result.searched_track = object.track;
   result.group = object.group;
+  result.points = object.appearance->support;
   return result;
 }
 
@@ -257,24 +223,6 @@ std::vector<SearchedObject> withoutFound(std::vector<SearchedObject> searched,
   return missing;
 }
 
-void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
-                  std::vector<SegmentTrack>& segments, const StereoCamera& camera,
-                  std::vector<MovingObject>& found) {
-  if (!frame.ground) return;
-  const Pose& T_cam_world = frame.path.T_cam_world(frame.path.newest());
-  for (const auto& object : searched) {
-    SegmentTrack* segment = segmentOf(object, frame, segments, found);
-    if (segment == nullptr) continue;
-    auto extent = extentOf(segment->segment.cells, rotated(object.velocity, T_cam_world.linear()),
-                           frame.disparity, camera, *frame.ground);
-    if (!extent || isPartOfAny(*extent, found)) continue;
-    MovingObject result = detected(object, std::move(*extent), kByFlow, frame);
-    result.points = static_cast<int>(segment->across.size());
-    result.segments = {segment};
-    found.push_back(std::move(result));
-  }
-}
-
 void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
                         double beyond_m, const StereoCamera& camera,
                         std::vector<MovingObject>& found) {
@@ -286,9 +234,7 @@ void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObje
     });
     auto extent = is_found ? std::nullopt : extentByAppearance(object, frame, camera);
     if (!extent || isPartOfAny(*extent, found)) continue;
-    MovingObject result = detected(object, std::move(*extent), kByAppearance, frame);
-    result.points = object.appearance->support;
-    found.push_back(std::move(result));
+    found.push_back(detected(object, std::move(*extent), frame));
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Detection of objects that the tracker expects, by less evidence: flow or appearance.
+// Detection of objects that the tracker expects, by less evidence: their appearance.
 #pragma once
 
 #include <headway/core/detection.h>
@@ -38,19 +38,6 @@ struct SearchedObject {
                                                        const std::vector<MovingObject>& found,
                                                        const CameraPath& path);
 
-/// Detects searched objects by the flow of segments.
-///
-/// That something moves must show in several frames, as long as it is followed. In a crowd what was
-/// followed is soon lost, but for an object that was found before less evidence will do: a segment
-/// near its expected place whose flow in this frame alone is that of its velocity.
-///
-/// @param segments  followed; the objects point into them
-/// @param found     in this frame already: what is part of one of them is left out; others are
-///                  appended
-void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
-                  std::vector<SegmentTrack>& segments, const StereoCamera& camera,
-                  std::vector<MovingObject>& found);
-
 /// Detects searched objects by their appearance templates where stereo does not show them: half
 /// hidden, or at the edge of the image that the other camera does not see.
 ///
@@ -61,7 +48,8 @@ void detectByFlow(const MotionFrame& frame, const std::vector<SearchedObject>& s
 ///
 /// @param beyond_m  depth up to which changes of EmptySpace show what is there: of 61 rows in
 ///                  robots' worlds that nothing was behind, 41 had come from this search there
-/// @param found  as above
+/// @param found     in this frame already: what is part of one of them is left out; others are
+///                  appended
 void detectByAppearance(const MotionFrame& frame, const std::vector<SearchedObject>& searched,
                         double beyond_m, const StereoCamera& camera,
                         std::vector<MovingObject>& found);

@@ -44,8 +44,7 @@ struct MeasuredBox {
 
   /// Whether the class is derived from size and speed, so that it may change between frames.
   [[nodiscard]] bool classIsProvisional() const {
-    return !evidence.classifier &&
-           (evidence.motion || evidence.change || evidence.flow || evidence.appearance);
+    return !evidence.classifier && (evidence.motion || evidence.change || evidence.appearance);
   }
 };
 

@@ -77,7 +77,7 @@ void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
     detected_velocity_ = detection.velocity;
   }
   motion_tested_ = detection.evidence.motion_tested;
-  if (detection.evidence.motion || detection.evidence.flow) appearance_ = detection.appearance;
+  if (detection.evidence.motion) appearance_ = detection.appearance;
 }
 
 // A classifier's box that moves is an object at once, as motion shows in several frames only;

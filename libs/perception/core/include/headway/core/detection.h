@@ -55,7 +55,6 @@ struct DetectionEvidence {
   bool classifier = false;  ///< an image classifier or a recorded box: the class is known
   bool motion = false;      ///< measurements over several frames are explained by motion only
   bool change = false;      ///< it stands where space was seen to be empty
-  bool flow = false;        ///< its image motion is that of an expected object
   bool appearance = false;  ///< it matches the template of an expected object
   bool classifier_tested = false;  ///< an image classifier evaluated this frame
   bool motion_tested = false;      ///< motion of an object at this position would be measurable
