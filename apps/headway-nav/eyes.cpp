@@ -35,7 +35,7 @@ class ImagesEye : public Eye {
  public:
   ImagesEye(const RobotParams& robot, const objects::ObjectsParams& objects, bool local_layer) {
     params_.grid.local = local_layer;
-    params_.detection.detector = "stereo_motion";
+    params_.detection.detector = "stereo_motion+shape";
     params_.robot = map::RobotFootprint{robot.length_m, robot.width_m};
     params_.objects = objects;
   }

@@ -14,10 +14,11 @@ mkdir -p "$out"
 
 # measured RIG WORLD SEED: results and figures of one recording
 measured() {
-  local name=$out/$1-$2-$3
+  local name=$out/$1-$2-$3 detector=stereo_motion+shape  # `auto` of a recording without boxes
+  [ "$1" != car ] || detector=stereo_motion
   [ -f "$name.rawlog" ] || $bin/headway-sim -q --depth --masks --frames "$frames" -o "$name.rawlog" \
     -c "config/worlds/$2.ini" --rig "$1" --seed "$3"
-  $bin/headway-replay -q -w -i "$name.rawlog" -o "$name" --snapshots 0 --detector stereo_motion
+  $bin/headway-replay -q -w -i "$name.rawlog" -o "$name" --snapshots 0 --detector "$detector"
   $bin/headway-eval trajectory -q -w --truth "$name.truth/trajectory.tum" --estimate "$name/trajectory.tum" \
     --json "$name.path.json"
   $bin/headway-eval people -q -w "$name" --truth "$name.truth" --json "$name.people.json"
