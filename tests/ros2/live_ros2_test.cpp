@@ -104,13 +104,19 @@ class Audience {
                                                                [](const auto&) {});
     add<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
         peer, "/diagnostics", [this](const auto& message) {
-          for (const auto& line : message.status()) health_.insert(line.name());
+          for (const auto& line : message.status()) {
+            health_.insert(line.name() + (line.level() == 2 ? ": error" : ""));
+          }
         });
   }
 
   std::size_t count(const std::string& topic) {
     const std::lock_guard lock(mutex_);
     return counts_[topic];
+  }
+  bool isHealthy(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    return health_.count(name) > 0;
   }
   /// Ends the reception.
   void close() { readers_.clear(); }
@@ -340,20 +346,26 @@ TEST_F(LiveRos2Test, EitherSideIsKilledAndComesBack) {
   EXPECT_EQ(live->end(SIGTERM), 0) << live->output();
 }
 
-TEST_F(LiveRos2Test, ARecordingIsPublishedWithItsClock) {
+TEST_F(LiveRos2Test, ARecordingIsPublishedWithItsClockBesideATopic) {
   std::ofstream(folder_ / "rawlog.ini")
       << "[CAM]\ndriver = CCameraSensor\ngrabber_type = rawlog\nrawlog_file = " << streetRawlog()
       << "\nprocess_rate = 8\npose_z = 1.65\npose_yaw = -90\npose_roll = -90\n";
   std::atomic<std::size_t> clocks{0};
   const auto clock = peer_.reader<rosgraph_msgs::msg::dds_::Clock_PubSubType>(
       "rt/clock", {}, [&](const auto&) { ++clocks; });
+  const auto wheels = peer_.writer<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/odom");
+  nav_msgs::msg::dds_::Odometry_ standing;
+  standing.pose().pose().orientation().w(1.0);
   Audience audience(peer_);
-  LiveProgram live("--sensors " + std::string(folder_ / "rawlog.ini") + " --ros2 " +
-                       ini("[ros2_publish]\nclock = true\nodom_base = true\n") +
-                       " --ros2-interface lo -w -o " + out(),
-                   folder_.path().string(), domain_);
+  LiveProgram live(
+      "--sensors " + std::string(folder_ / "rawlog.ini") + " --ros2 " +
+          ini("[ros2]\nodometry = /odom\n[ros2_publish]\nclock = true\nodom_base = true\n") +
+          " --ros2-interface lo -w -o " + out(),
+      folder_.path().string(), domain_);
   EXPECT_TRUE(waitUntil([&] {
-    return clocks > 5 && audience.count("/tf") > 5 && audience.count("/headway/markers") > 5;
+    (void)wheels->write(&standing);
+    return clocks > 5 && audience.count("/tf") > 5 && audience.count("/headway/markers") > 5 &&
+           audience.isHealthy("headway: sensor CAM") && audience.isHealthy("headway: sensor /odom");
   })) << live.output();
   EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
 }

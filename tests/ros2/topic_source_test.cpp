@@ -20,6 +20,8 @@
 #include <limits>
 #include <mutex>
 #include <random>
+#include <thread>
+#include <utility>
 
 #include "../io/synthetic_recording.h"
 #include "robot.h"
@@ -171,9 +173,10 @@ TEST_F(TopicSourceTest, ARobotsSensorsBecomeObservations) {
   EXPECT_NE(live_.camera(), nullptr);
 }
 
-TEST_F(TopicSourceTest, EachPairOfADepthCameraAt30HzArrives) {
+/// 640x480 at 30 Hz, with inertial samples at 200 Hz, wheels at 50 Hz and scans at 10 Hz.
+TEST_F(TopicSourceTest, EverySampleOfADepthCameraAndItsSensorsArrives) {
   const cv::Size size(640, 480);
-  constexpr std::size_t kPairs = 60;
+  constexpr std::size_t kPairs = 90;
   const auto timeOf = [](std::size_t i) { return 100.0 + static_cast<double>(i) / 30.0; };
   io::RawDepthCamera camera;
   for (io::RawCamera* lens : {&camera.color, &camera.depth}) {
@@ -190,31 +193,63 @@ TEST_F(TopicSourceTest, EachPairOfADepthCameraAt30HzArrives) {
   const std::string path = folder_ / "depth.rawlog";
   io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
   const cv::Mat picture = io::test::wall(0, 8, size).left;
-  for (std::size_t i = 0; i < kPairs; ++i) sink.writeDepth(timeOf(i), picture, depth, camera);
+  io::RecordedScan scan;
+  scan.aperture_rad = 2.0;
+  scan.max_range_m = 10.0;
+  scan.ranges = {1.0F, 2.0F, 3.0F};
+  std::size_t pairs = 0;
+  for (std::size_t i = 0; pairs < kPairs; ++i) {  // at 200 Hz
+    scan.time = 100.0 + 0.005 * static_cast<double>(i);
+    sink.writeImu(scan.time, {0.0, 0.0, 0.1}, {0.0, 0.0, 9.81});
+    if (i % 4 == 0) sink.writeOdometry(scan.time, 0.1, 0.2, 0.3);
+    if (i % 20 == 0) sink.writeLaser(scan);
+    if (scan.time + 0.005 > timeOf(pairs)) sink.writeDepth(timeOf(pairs++), picture, depth, camera);
+  }
   sink.close();
   test::Robot robot(peer_, path);
   start();
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
-  const auto isLast = [&] {
-    const auto scan = last<mrpt::obs::CObservation3DRangeScan>();
-    return scan && std::abs(io::timeFrom(scan->timestamp) - timeOf(kPairs - 1)) < 1e-6;
+  const auto received = [&] {
+    std::map<std::string, std::size_t> counts;
+    for (const auto& status : source_->status()) counts[status.topic] = status.messages;
+    return counts;
+  };
+  auto before = received();
+  ASSERT_TRUE(waitUntil([&] {  // until both sides know each other, and the camera is mounted
+    (void)robot.play(1.0, go_on_, {0, 15});
+    return count("CObservation3DRangeScan") > 0 && count("CObservation2DRangeScan") > 0 &&
+           count("CObservationIMU") > 0 && count("CObservationOdometry") > 0;
+  })) << source_->missing();
+  ASSERT_TRUE(waitUntil([&] {  // what is under way
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    const auto now = received();
+    return std::exchange(before, now) == now;
+  }));
+  const auto sent_before = robot.sent();
+  const std::size_t pairs_before = count("CObservation3DRangeScan");
+  std::size_t played = 0;
+  const auto isNewest = [&] { return count("CObservation3DRangeScan") - pairs_before >= played; };
+  robot.on_frame = [&](Time) {  // at 30 Hz, unless the machine is busy
+    ++played;
+    EXPECT_TRUE(::testing::Test::HasFailure() || waitUntil(isNewest)) << played;
   };
   ASSERT_EQ(robot.play(1.0, go_on_), kPairs);
-  ASSERT_TRUE(waitUntil(isLast)) << source_->missing();
-  // Once more, now that it is calibrated and mounted. A busy machine may lose some.
-  const std::size_t before = count("CObservation3DRangeScan");
-  (void)robot.play(1.0, go_on_);
-  EXPECT_TRUE(waitUntil([&] {
-    return count("CObservation3DRangeScan") > before + 3 * kPairs / 4 && isLast();
-  })) << count("CObservation3DRangeScan") - before;
-  const auto scan = last<mrpt::obs::CObservation3DRangeScan>();
-  ASSERT_EQ(scan->rangeImage.rows(), size.height);
-  EXPECT_EQ(scan->rangeUnits * scan->rangeImage(100, 200),
+  for (const auto& [topic, sent] : robot.sent()) {
+    if (topic == "/tf_static") continue;  // was sent once
+    const std::size_t number = sent - sent_before.at(topic);
+    EXPECT_TRUE(waitUntil([&] { return received()[topic] - before[topic] >= number; }));
+    EXPECT_EQ(received()[topic] - before[topic], number) << topic;
+  }
+  EXPECT_EQ(count("CObservation3DRangeScan") - pairs_before, kPairs);
+  const auto newest = last<mrpt::obs::CObservation3DRangeScan>();
+  EXPECT_NEAR(io::timeFrom(newest->timestamp), timeOf(kPairs - 1), 1e-6);
+  ASSERT_EQ(newest->rangeImage.rows(), size.height);
+  EXPECT_EQ(newest->rangeUnits * newest->rangeImage(100, 200),
             1e-3F * depth.at<std::uint16_t>(100, 200));
-  const Pose T_robot_depth = fromMrpt(scan->sensorPose);
+  const Pose T_robot_depth = fromMrpt(newest->sensorPose);
   EXPECT_NEAR(T_robot_depth.translation().y(), -0.05, 1e-9);  // right of the colour image
   EXPECT_NEAR(T_robot_depth.translation().z(), 1.0, 1e-9);
-  EXPECT_NEAR(scan->cameraParamsIntensity.fx(), 500.0, 1e-9);
+  EXPECT_NEAR(newest->cameraParamsIntensity.fx(), 500.0, 1e-9);
 }
 
 TEST_F(TopicSourceTest, ARobotThatIsRestartedOrSetBackIsReadAgain) {
