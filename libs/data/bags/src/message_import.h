@@ -87,7 +87,7 @@ class TimeOrder {
     const char* kind = nullptr;  ///< of what is counted when written; null: a frame
     std::size_t bytes = 0;
     std::function<void(io::RawlogSink&)> write;
-    std::map<std::string, std::size_t> dropped;  ///< when a frame was read, from the beginning on
+    std::map<std::string, std::size_t> dropped = {};  ///< when a frame was read, from the start on
   };
 
   void add(Event event) {
