@@ -88,8 +88,8 @@ std::string configurationOf(const std::string& interface) {
       throw InputError("--ros2-interface " + interface + ": no such interface");
     }
     general = std::string("<General><Interfaces><NetworkInterface ") +
-              (is_address ? "address" : "name") + "=\"" + interface + "\"" +
-              (is_local ? " multicast=\"false\"" : "") + "/></Interfaces></General>";
+              (is_address ? "address" : "name") + "=\"" + interface + "\"/></Interfaces>" +
+              (is_local ? "<AllowMulticast>false</AllowMulticast>" : "") + "</General>";
   }
   if (is_local) {  // has no multicast
     discovery =
