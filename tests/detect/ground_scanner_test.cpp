@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 namespace headway::detect {
 namespace {
@@ -31,6 +32,21 @@ StereoCamera testCamera(double height = kHeight) {
   camera.baseline_m = 0.54;
   camera.T_robot_cam = Eigen::Translation3d(0.0, 0.0, height) * robotFromOptical();
   return camera;
+}
+
+/// An image on the disparity grid whose columns differ from each other, or repeat after a period.
+cv::Mat pictureOf(const stereo::DisparityImage& disparity, int period = 0) {
+  std::mt19937 random(1);
+  std::vector<unsigned char> greys(static_cast<std::size_t>(disparity.values.cols));
+  for (auto& grey : greys) grey = static_cast<unsigned char>(random() % 200);
+  cv::Mat image(disparity.values.size(), CV_8U);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int column = 0; column < image.cols; ++column) {
+      const int at = period > 0 ? column % period : column;
+      image.at<unsigned char>(row, column) = greys[static_cast<std::size_t>(at)];
+    }
+  }
+  return image;
 }
 
 /// Something upright across the way, over a part of its width (x to the right) and height [m].
@@ -85,7 +101,8 @@ GroundScan scanOf(const stereo::DisparityImage& image, const MovingRegions& movi
   const auto camera = testCamera();
   const auto ground = stereo::findGround(image, camera, std::nullopt);
   EXPECT_TRUE(ground);
-  return ground ? scanGround(image, camera, *ground, moving, params) : GroundScan{};
+  return ground ? scanGround(image, pictureOf(image), camera, *ground, moving, params)
+                : GroundScan{};
 }
 
 /// Whether a place lies on a free piece of a ray [m].
@@ -195,6 +212,25 @@ TEST(ScanGroundTest, WhatHangsInTheAirIsAsWideAsAPerson) {
       << "a post";
 }
 
+TEST(ScanGroundTest, StripesThatHangBeforeTheirWallAreMatchedAPeriodOff) {
+  const auto camera = testCamera();
+  auto hanging = imageOf({{8.0, -1.0, 1.0, 0.6, 1.6}, {14.0, -8.0, 8.0, 0.0, 3.0}});
+  auto standing = imageOf({{8.0, -1.0, 1.0, 0.0, 1.6}, {14.0, -8.0, 8.0, 0.0, 3.0}});
+  hanging.block_px = standing.block_px = 18;
+  const auto ground = stereo::findGround(hanging, camera, std::nullopt);
+  ASSERT_TRUE(ground);
+  const auto nearIn = [&](const stereo::DisparityImage& image, int period) {
+    const auto scan =
+        scanGround(image, pictureOf(image, period), camera, *ground, {}, withReach(20.0));
+    EXPECT_FALSE(isFree(scan, 8.5, 0.0)) << "whatever it is";
+    EXPECT_GT(obstaclesBetween(scan, 13.0, 15.0), 50) << "the wall itself";
+    return obstaclesBetween(scan, 7.8, 8.2);
+  };
+  EXPECT_GT(nearIn(hanging, 0), 30);
+  EXPECT_EQ(nearIn(hanging, 7), 0);
+  EXPECT_GT(nearIn(standing, 7), 30) << "what stands hides the ground behind it";
+}
+
 TEST(ScanGroundTest, TheUpperEdgeOfABlockIsNoHeight) {
   // At 6 m, half a block is 0.12 m: what seems 0.35 m high may be 0.23 m.
   const auto low = scanOf(matched(imageOf({{6.0, -1.0, 1.0, 0.0, 0.35}})));
@@ -240,7 +276,7 @@ GroundScan scanFrom(double height, const stereo::DisparityImage& image,
   GroundScanParams params = withReach(6.0);
   params.min_obstacle_height_m = min_obstacle_height_m;
   params.sigma_disparity_px = sigma_disparity_px;
-  return scanGround(image, camera, ground, {}, params);
+  return scanGround(image, pictureOf(image), camera, ground, {}, params);
 }
 
 /// What a robot's camera scans on level ground; rows between two depths are not matched.
@@ -301,7 +337,8 @@ TEST(ScanGroundTest, ACameraThatLooksStraightDownScansNothing) {
   stereo::GroundPlane ground;
   ground.up = -Eigen::Vector3d::UnitZ();
   ground.camera_height = kHeight;
-  const auto scan = scanGround(imageOf({}), testCamera(), ground, {}, withReach(20.0));
+  const auto image = imageOf({});
+  const auto scan = scanGround(image, pictureOf(image), testCamera(), ground, {}, withReach(20.0));
   EXPECT_TRUE(scan.empty());
 }
 

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "appearance.h"
 #include "left_out_cells.h"
 
 namespace headway::detect {
@@ -43,10 +44,11 @@ constexpr double kMaxGapRows = 3.0;   // or of the distance between neighbouring
 class ColumnScanner {
  public:
   /// @param params  without 0; all arguments must outlive the scanner
-  ColumnScanner(const stereo::DisparityImage& disparity, const StereoCamera& camera,
-                const stereo::GroundPlane& ground, const stereo::RigCapability& rig,
-                const GroundScanParams& params)
+  ColumnScanner(const stereo::DisparityImage& disparity, const cv::Mat& image,
+                const StereoCamera& camera, const stereo::GroundPlane& ground,
+                const stereo::RigCapability& rig, const GroundScanParams& params)
       : disparity_(disparity),
+        image_(image),
         camera_(camera),
         ground_(ground),
         params_(params),
@@ -96,6 +98,10 @@ class ColumnScanner {
         if (!obstacle.is_certain) continue;
         const auto disparity = agreed(i, obstacle, step);
         if (!disparity) continue;
+        // A wall of stripes that is matched a period off seems to hang in front of itself.
+        if (disparity_.block_px > 0 && obstacle.hangs && repeats(columns_[i].column, obstacle)) {
+          continue;
+        }
         const double depth = fb_ / *disparity;
         scan.obstacles.push_back(
             {placeAt(columns_[i].column, depth), static_cast<float>(sigmaAt(depth))});
@@ -108,6 +114,7 @@ class ColumnScanner {
   struct Raised {
     double disparity;
     double height;  ///< [m]
+    int row;
   };
   /// A point of the ground, or below it [m].
   struct Surface {
@@ -116,9 +123,10 @@ class ColumnScanner {
   };
   /// What stands at one distance of a column.
   struct Obstacle {
-    double disparity;  ///< [px]
-    bool hangs;        ///< its lowest matched point is as high as an obstacle
-    bool is_certain;   ///< false: may be too low; ends free ground, but is not entered
+    double disparity;       ///< [px]
+    bool hangs;             ///< its lowest matched point is as high as an obstacle
+    bool is_certain;        ///< false: may be too low; ends free ground, but is not entered
+    std::vector<int> rows;  ///< that show it
   };
   struct Column {
     int column;
@@ -145,7 +153,7 @@ class ColumnScanner {
       if (height > params_.max_obstacle_height_m) continue;
       const double clearance = ground_.clearance(depth);
       if (height > clearance) {
-        raised_.push_back({d, height});
+        raised_.push_back({d, height, row});
       } else if (height >= -clearance) {
         seen_ground_.push_back({depth, height});
       } else if (height <= -params_.min_obstacle_height_m) {
@@ -281,12 +289,33 @@ class ColumnScanner {
       const std::size_t window = endOf(i, raised_[i].disparity - 2.0 * apart);
       const double median = raised_[i + (window - i) / 2].disparity;
       const std::size_t end = std::max(endOf(i, median - apart), i + 1);
-      if (end - i >= kMinRows) found.push_back({median, hangs, is_certain});
+      if (end - i >= kMinRows) found.push_back({median, hangs, is_certain, rowsOf(i, end)});
       i = end;
     }
     if (found.size() == before) {
-      found.push_back({raised_[(first + last) / 2].disparity, hangs, is_certain});
+      found.push_back(
+          {raised_[(first + last) / 2].disparity, hangs, is_certain, rowsOf(first, last)});
     }
+  }
+
+  [[nodiscard]] std::vector<int> rowsOf(std::size_t first, std::size_t last) const {
+    std::vector<int> rows;
+    for (std::size_t i = first; i < last; ++i) rows.push_back(raised_[i].row);
+    return rows;
+  }
+
+  /// Whether the image of an obstacle repeats along the rows, around its column.
+  [[nodiscard]] bool repeats(int column, const Obstacle& obstacle) const {
+    const int side = disparity_.block_px / disparity_.reduce;
+    const int first = std::max(0, column - side);
+    const int last = std::min(image_.cols - 1, column + side);
+    // No more rows than a block has: they are alike.
+    const std::size_t step = 1 + obstacle.rows.size() / static_cast<std::size_t>(side + 1);
+    std::vector<cv::Point> cells;
+    for (std::size_t i = 0; i < obstacle.rows.size(); i += step) {
+      for (int x = first; x <= last; ++x) cells.emplace_back(x, obstacle.rows[i]);
+    }
+    return repeatsAlongRows(image_, cells);
   }
 
   /// The nearest drop.
@@ -371,6 +400,7 @@ class ColumnScanner {
   }
 
   const stereo::DisparityImage& disparity_;
+  const cv::Mat& image_;
   const StereoCamera& camera_;
   const stereo::GroundPlane& ground_;
   const GroundScanParams& params_;
@@ -436,16 +466,16 @@ GroundScanParams GroundScanParams::forRig(const stereo::RigCapability& rig) cons
   return params;
 }
 
-GroundScan scanGround(const stereo::DisparityImage& disparity, const StereoCamera& camera,
-                      const stereo::GroundPlane& ground, const MovingRegions& moving,
-                      const GroundScanParams& params, int step) {
+GroundScan scanGround(const stereo::DisparityImage& disparity, const cv::Mat& image,
+                      const StereoCamera& camera, const stereo::GroundPlane& ground,
+                      const MovingRegions& moving, const GroundScanParams& params, int step) {
   GroundScan scan;
   if (ground.up.y() > kMaxUpY) return scan;
   const cv::Mat left_out = leftOutCells(moving, disparity);
   const auto rig = params.capabilityOf(camera);
   const GroundScanParams for_rig = params.forRig(rig);
   const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);
-  ColumnScanner scanner(disparity, camera, plane, rig, for_rig);
+  ColumnScanner scanner(disparity, image, camera, plane, rig, for_rig);
   for (int column = 0; column < disparity.values.cols; column += step) {
     scanner.scan(column, left_out, scan);
   }

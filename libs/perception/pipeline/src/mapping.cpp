@@ -376,8 +376,8 @@ void Mapping::updateLocal(const FrameState& state, StageTimes& times) {
   GroundScan scan;
   const int step = state.scans_local ? columnStep(*local_, *state.context) : 1;
   if (state.scans_local && state.context->ground()) {
-    scan = detect::scanGround(state.context->disparity(), *camera_, *state.context->ground(), {},
-                              grid_params_.scan, step);
+    scan = detect::scanGround(state.context->disparity(), state.context->reducedLeft(), *camera_,
+                              *state.context->ground(), {}, grid_params_.scan, step);
   }
   const auto scene =
       laser_params_.use && !state.frame.laser_scans.empty() ? laserScene(state) : std::nullopt;
@@ -392,8 +392,8 @@ void Mapping::updateLocal(const FrameState& state, StageTimes& times) {
 std::optional<GroundScan> Mapping::scanGround(const FrameState& state) const {
   const auto& ground = state.context->ground();
   if (!ground) return std::nullopt;
-  return detect::scanGround(state.context->disparity(), *camera_, *ground, leftOutOfGrid(state),
-                            grid_params_.scan);
+  return detect::scanGround(state.context->disparity(), state.context->reducedLeft(), *camera_,
+                            *ground, leftOutOfGrid(state), grid_params_.scan);
 }
 
 MovingRegions Mapping::leftOutOfGrid(const FrameState& state) const {

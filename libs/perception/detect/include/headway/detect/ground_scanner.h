@@ -43,13 +43,17 @@ struct GroundScanParams {
 /// roads have no open drops. Everything else is unknown. For robots, higher obstacles are entered
 /// beyond the reach, as far as the depth error allows, at most 1.3 times of it.
 ///
+/// Stripes, as of corrugated walls, are matched a period off, and then seem to hang before their
+/// wall: what hangs and whose image repeats along the rows ends free ground, but is no obstacle.
+///
+/// @param image    left, on the disparity grid, 8-bit
 /// @param ground   before the camera, in this image
 /// @param moving   left out, with what they hide; the unsure ones, too
 /// @param step     columns from one that is scanned to the next
 /// @return         empty for a camera that looks straight down or lies on its side
 /// @see            Labayrade et al. 2002 (obstacles as what is upright in disparity); Badino et al.
 ///                 2007, "Free space computation using stochastic occupancy grids"
-[[nodiscard]] GroundScan scanGround(const stereo::DisparityImage& disparity,
+[[nodiscard]] GroundScan scanGround(const stereo::DisparityImage& disparity, const cv::Mat& image,
                                     const StereoCamera& camera, const stereo::GroundPlane& ground,
                                     const MovingRegions& moving, const GroundScanParams& params,
                                     int step = 1);
