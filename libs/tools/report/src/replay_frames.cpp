@@ -107,11 +107,42 @@ class FrameTimes {
 /// Samples of the file at the times of frames, by position of the frame.
 using SamplesByPosition = std::vector<std::vector<TrackSample>>;
 
-SamplesByPosition readSamples(const fs::path& path, const FrameTimes& times, std::size_t count) {
-  SamplesByPosition samples(count);
-  io::visitTrackCsv(path, [&](const TrackSample& sample) {
-    if (const auto position = times.positionAt(sample.time)) samples[*position].push_back(sample);
+/// Keeps the samples nearest to the robot.
+void keepNearest(std::size_t count, const Pose& T_map_robot, std::vector<TrackSample>& samples) {
+  const auto distance = [&](const TrackSample& sample) {
+    return (sample.track.position - T_map_robot.translation()).squaredNorm();
+  };
+  std::stable_sort(samples.begin(), samples.end(), [&](const TrackSample& a, const TrackSample& b) {
+    return distance(a) < distance(b);
   });
+  if (samples.size() > count)
+    samples.erase(samples.begin() + static_cast<long>(count), samples.end());
+}
+
+/// Reads the samples; of more than `max_boxes` the nearest of each frame, so that all frames
+/// together have at most so many, or one each, and never more than thrice as many meanwhile.
+SamplesByPosition readSamples(const fs::path& path, const FrameTimes& times,
+                              const std::vector<Stamped<Pose>>& poses, std::size_t max_boxes,
+                              const Note& note) {
+  SamplesByPosition samples(poses.size());
+  const std::size_t in_a_frame = std::max<std::size_t>(1, max_boxes / poses.size());
+  std::size_t boxes = 0, kept = 0;
+  io::visitTrackCsv(path, [&](const TrackSample& sample) {
+    const auto position = times.positionAt(sample.time);
+    if (!position) return;
+    auto& here = samples[*position];
+    here.push_back(sample);
+    if (++boxes <= max_boxes || here.size() < 2 * in_a_frame) return;
+    keepNearest(in_a_frame, poses[*position].value, here);
+  });
+  if (boxes <= max_boxes) return samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    keepNearest(in_a_frame, poses[i].value, samples[i]);
+    kept += samples[i].size();
+  }
+  note(std::to_string(boxes - kept) + " of " + std::to_string(boxes) +
+       " boxes are left out: at most the nearest " + std::to_string(in_a_frame) +
+       " of each frame are shown");
   return samples;
 }
 
@@ -151,23 +182,6 @@ void addTracks(const SamplesByPosition& samples, std::vector<ReplayFrame>& frame
   for (std::size_t i = 0; i < frames.size(); ++i) {
     for (const auto& sample : samples[i]) frames[i].tracks.push_back(sample.track);
   }
-}
-
-/// Keeps the tracks nearest to the robot in each frame, so that all frames together have at most so
-/// many boxes, or one each.
-void keepNearest(std::size_t max_boxes, std::vector<ReplayFrame>& frames, const Note& note) {
-  std::size_t boxes = 0, kept = 0;
-  for (const auto& frame : frames) boxes += frame.tracks.size();
-  if (boxes <= max_boxes) return;
-  const std::size_t in_a_frame = std::max<std::size_t>(1, max_boxes / frames.size());
-  for (auto& frame : frames) {
-    sortByDistance(frame);
-    if (frame.tracks.size() > in_a_frame) frame.tracks.resize(in_a_frame);
-    kept += frame.tracks.size();
-  }
-  note(std::to_string(boxes - kept) + " of " + std::to_string(boxes) +
-       " boxes are left out: at most the nearest " + std::to_string(in_a_frame) +
-       " of each frame are shown");
 }
 
 Track* trackOf(TrackId id, ReplayFrame& frame) {
@@ -252,12 +266,12 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   const FrameTimes times(path.poses);
   SamplesByPosition samples(path.poses.size());
   const bool has_tracks = fs::exists(folder / "tracks.csv");
-  if (has_tracks) samples = readSamples(folder / "tracks.csv", times, path.poses.size());
+  if (has_tracks)
+    samples = readSamples(folder / "tracks.csv", times, path.poses, options.max_boxes, note);
   if (!has_tracks) note("no tracks.csv in " + folder.string() + ": drawn without tracks");
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
   addTracks(samples, frames);
-  keepNearest(options.max_boxes, frames, note);
   if (fs::exists(folder / "trajectory_odom.tum")) {
     io::visitTum(folder / "trajectory_odom.tum", [&](const Stamped<Pose>& pose) {
       const auto position = times.positionAt(pose.time);
@@ -274,7 +288,8 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   }
   if (!(options.past_s > 0.0)) return frames;
   const fs::path smoothed = folder / "tracks_smoothed.csv";
-  if (fs::exists(smoothed)) samples = readSamples(smoothed, times, frames.size());
+  if (fs::exists(smoothed))
+    samples = readSamples(smoothed, times, path.poses, options.max_boxes, note);
   addPast(pathsOf(samples, to_final), options.past_s, frames);
   return frames;
 }
