@@ -121,6 +121,23 @@ TEST_F(LostCameraTest, IsFoundHoweverLongItWasCovered) {
   EXPECT_EQ(slam().map().keyframes.front().frame, 0U) << "in the map of before";
 }
 
+TEST_F(LostCameraTest, OverexposedItIsFoundWhereItIsOrNotAtAll) {
+  ASSERT_EQ(walk(world_, 0, 40), 0);
+  int found = 0;
+  for (const double gain : {1.5, 2.5, 4.0}) {
+    EXPECT_EQ(cover(5), 5);
+    for (int place = 10; place < 20; ++place) {
+      StereoFrame frame = world_.frame(0, 0.0, onPath(place));
+      for (cv::Mat* image : {&frame.left, &frame.right})
+        image->convertTo(*image, CV_8U, gain, 60.0);
+      if (processed(frame).status != TrackingStatus::kTracked) continue;
+      ++found;
+      EXPECT_LT(errorAt(place), 0.1) << gain << " at " << place;
+    }
+  }
+  EXPECT_GT(found, 0);
+}
+
 TEST_F(LostCameraTest, CoveredRightAfterTheStartIsFoundInWhatLittleThereIs) {
   ASSERT_EQ(walk(world_, 0, 3), 0);
   EXPECT_EQ(cover(6), 6);
