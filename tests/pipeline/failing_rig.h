@@ -3,6 +3,7 @@
 #pragma once
 
 #include <headway/io/rawlog_source.h>
+#include <headway/pipeline/perception.h>
 
 #include <functional>
 #include <opencv2/imgproc.hpp>
@@ -111,6 +112,33 @@ inline const std::vector<FailingRig>& failingRigs() {
       {"RightFourColumnsToTheLeft", shiftedBy(-4, 0), 1.0},
   };
   return kRigs;
+}
+
+/// What becomes of a recording's frames.
+struct Noticed {
+  std::vector<bool> doubted;          ///< no pose of the frame counts
+  std::vector<std::string> findings;  ///< of the frame, by name
+};
+
+/// Drives through a recording whose rig fails in the frames from `begin` up to `end`.
+inline Noticed noticed(const Frames& frames, const Failure& fail, std::size_t begin,
+                       std::size_t end) {
+  PerceptionParams params;
+  params.detection.detector = "none";
+  params.grid.period_s = 0.0;
+  params.grid.local = false;
+  Perception perception(frames.front().stereo->camera, params);
+  Noticed result;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    RecordedFrame frame = frames[i];
+    if (i >= begin && i < end) fail(frames, begin, i, *frame.stereo);
+    const PerceptionUpdate update = perception.process(frame);
+    result.doubted.push_back(!slam::isTracked(update.camera.status));
+    std::string names;
+    for (const Finding& finding : update.findings) names += finding.name + " ";
+    result.findings.push_back(names);
+  }
+  return result;
 }
 
 /// Frames whose images are not to be trusted; the rig fails in those from `begin` up to `end`.

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <headway_test/paths.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "failing_rig.h"
@@ -51,6 +53,28 @@ TEST_P(OneEyeTest, IsNoticedInAHallAtTwoSizes) {
   for (const int width : {640, 320}) failIn(recorded("hall.rawlog", kHallFrames, width), {30, 40});
 }
 
+/// What the map alone shows: a right image that is shifted.
+class ShiftedImageTest : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(ShiftedImageTest, IsNoticedByTheMap) {
+  for (const auto& [name, width] : {std::pair("street.rawlog", 336), std::pair("hall.rawlog", 320),
+                                    std::pair("hall.rawlog", 173)}) {
+    SCOPED_TRACE(name + std::to_string(width));
+    constexpr std::size_t kBegin = 30, kEnd = 45;
+    const Frames frames = recorded(name, kStreetFrames + 10, width);
+    const Noticed seen = noticed(frames, failingRigs()[GetParam()].fail, kBegin, kEnd);
+    for (std::size_t i = 0; i < kBegin; ++i) EXPECT_FALSE(seen.doubted[i]) << i;
+    for (std::size_t i = kBegin + 2; i < kEnd; ++i) EXPECT_TRUE(seen.doubted[i]) << i;
+    const auto isNamed = [](const std::string& names) {
+      return names.find("images_disagree") != std::string::npos;
+    };
+    EXPECT_TRUE(
+        std::any_of(seen.findings.begin() + kBegin, seen.findings.begin() + kBegin + 10, isNamed));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, ShiftedImageTest, testing::Range<std::size_t>(9, 12),
+                         [](const auto& index) { return failingRigs()[index.param].name; });
 INSTANTIATE_TEST_SUITE_P(Pairs, OneEyeTest, testing::Range<std::size_t>(0, 9),
                          [](const auto& index) { return failingRigs()[index.param].name; });
 

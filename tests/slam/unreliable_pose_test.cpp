@@ -33,6 +33,12 @@ class UnreliablePoseTest : public testing::Test {
     time_ += interval_s_;
     ++frames_;
     frame.motion_prior.T_previous_current = by_wheels;
+    if (shift_px_ > 0) {
+      frame.right = image_.right.clone();
+      const int columns = frame.right.cols;
+      image_.right.colRange(0, columns - shift_px_)
+          .copyTo(frame.right.colRange(shift_px_, columns));
+    }
     return slam_->process(frame, {}, images);
   }
 
@@ -59,6 +65,7 @@ class UnreliablePoseTest : public testing::Test {
   Pose step_ = Pose::Identity();  ///< the latest motion
   double interval_s_ = 0.1;       ///< between frames
   double way_ = 0.05;             ///< between frames [m]
+  int shift_px_ = 0;              ///< of the right image to the right
 
  private:
   StereoFrame image_;
@@ -66,6 +73,26 @@ class UnreliablePoseTest : public testing::Test {
   int frames_ = 0;
   Time time_ = 0.0;
 };
+
+TEST_F(UnreliablePoseTest, ARightImageThatContradictsTheMapIsDoubtedAndNotMapped) {
+  walk(15);
+  shift_px_ = 4;
+  for (int i = 0; i < 15; ++i) {
+    const auto update = next();
+    EXPECT_EQ(update.status, TrackingStatus::kUnreliable) << i;
+    EXPECT_EQ(update.doubt, Doubt::kImages) << i;
+    EXPECT_FALSE(update.is_keyframe) << i;
+    move();
+  }
+  shift_px_ = 0;
+  for (int i = 1; i < 10; ++i) {
+    EXPECT_EQ(next().status, TrackingStatus::kUnreliable) << "for a second after " << i;
+    move();
+  }
+  const auto update = next();
+  EXPECT_EQ(update.status, TrackingStatus::kTracked);
+  EXPECT_LT(errorOf(update), 0.03);
+}
 
 TEST_F(UnreliablePoseTest, RelocalisationIsNoMotionForTheWheelsToContradict) {
   walk(15);

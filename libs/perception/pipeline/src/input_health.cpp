@@ -507,6 +507,17 @@ void checkWheels(const FrameState& state, Findings& findings) {
        "slip; if they slip most of the time, set slam.use_odometry=false"});
 }
 
+/// Images that nothing was wrong with before they were used, but that contradict the map.
+void checkRightImage(const FrameState& state, Findings& findings) {
+  const bool by_map = state.camera.doubt == slam::Doubt::kImages && state.is_by_slam;
+  if (!by_map || state.images != slam::ImageEvidence::kNone) return;
+  findings.push_back(
+      {"images_disagree", state.frame.index,
+       "the right image does not show the landmarks of the left one where the map "
+       "says; check the right camera's mounting, lens and trigger. No pose counts until it has "
+       "shown them for a second"});
+}
+
 void checkInertialSensor(const FrameState& state, Findings& findings) {
   if (state.camera.imu == slam::ImuStatus::kGyroscopeContradicts) {
     findings.push_back(
@@ -574,6 +585,7 @@ void InputHealth::checkImages(const StereoFrame& frame, Findings& findings) {
 
 Findings InputHealth::checkResults(const FrameState& state) {
   Findings findings;
+  if (is_trusted_) checkRightImage(state, findings);
   checkLoss(state, findings);
   if (state.disparity_offset && state.is_by_slam) {
     append(stereo_check_.addOffset(*state.disparity_offset, *camera_, state.frame.index), findings);

@@ -26,6 +26,7 @@
 #include "map_archive.h"
 #include "motion_model.h"
 #include "place_check.h"
+#include "right_image_check.h"
 #include "sparse_map.h"
 #include "visual_odometry.h"
 #include "wheel_odometry.h"
@@ -320,6 +321,10 @@ class StereoSlam::Implementation {
     }
     moveOdometry(frame, current, doubt != Doubt::kSpeed, tracked_step);
     if (tracked && !tracked_twice) noteChange(MapChange::kRelocalised);
+    const bool is_map_new = active_submap_.isNew(rate_);
+    right_image_.add(tracked && !is_map_new ? &*tracked : nullptr, current, map_, *camera_,
+                     params_);
+    if (right_image_.isContradictory()) images = ImageEvidence::kContradictory;
     SlamUpdate update = tracked ? accept(current, *tracked) : handleLost(frame, current);
     update.doubt = doubt;
     if (tracked_twice) {
@@ -410,9 +415,9 @@ class StereoSlam::Implementation {
     lost_in_a_row_ = 0;
     active_submap_.addTracked(secondsOfFrame());
     const auto chosen = referenceOf(tracked.landmarks, *reference_, params_, camera_->width, map_);
-    if (!chosen) {
+    if (!chosen && right_image_.mayExtend()) {
       makeKeyframe(current, tracked, update);
-    } else if (*chosen != *reference_) {
+    } else if (chosen && *chosen != *reference_) {
       setReferenceKeyframe(*chosen);
     }
     seen_before_ = std::move(tracked.landmarks);
@@ -435,7 +440,8 @@ class StereoSlam::Implementation {
                          active_submap_.first() == map_.keyframes().begin()->first;
     const bool keeps_submap = is_first || is_last || isBridged(frame);
     const int submap = keeps_submap ? this->submap() : map_.newSubmap();
-    if (params_.mapping && (is_over || is_first) && initialise(current, submap)) {
+    const bool may_begin = is_first || (is_over && right_image_.mayExtend());
+    if (params_.mapping && may_begin && initialise(current, submap)) {
       lost_in_a_row_ = 0;
       if (!is_first) noteChange(MapChange::kNewSubmap);
       update.status = TrackingStatus::kTracked;
@@ -669,6 +675,7 @@ class StereoSlam::Implementation {
   bool turns_known_ = false;       ///< by the gyroscope, in every frame since then
   ActiveSubmap active_submap_;
   PlaceCheck place_check_;
+  RightImageCheck right_image_;
   std::optional<Pose> expected_;  ///< of the camera, until it is tracked
   int lost_in_a_row_ = 0;
   double lost_s_ = 0.0;  ///< in these frames

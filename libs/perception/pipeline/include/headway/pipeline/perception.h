@@ -115,10 +115,10 @@ class Perception {
   /// The findings of all frames that degrade the results: "imu_accelerometer" and "imu_gyroscope"
   /// (left out, they contradict the camera), "odometry_scale", "odometry_contradicts",
   /// "motion_left_out", "camera_frozen", "one_image", "camera_dark", "camera_bright",
-  /// "vertical_offset", "images_not_simultaneous", "images_swapped", "speed", "clock_set_back",
-  /// "clock_jumps_ahead", "time_repeated", "recorded_boxes_missing", "camera_mounting", "too_near",
-  /// "blurred", and "lost_" with "too_dark", "covered", "blurred", "few_features" or
-  /// "moved_too_fast".
+  /// "vertical_offset", "images_not_simultaneous", "images_swapped", "images_disagree", "speed",
+  /// "clock_set_back", "clock_jumps_ahead", "time_repeated", "recorded_boxes_missing",
+  /// "camera_mounting", "too_near", "blurred", and "lost_" with "too_dark", "covered", "blurred",
+  /// "few_features" or "moved_too_fast".
   [[nodiscard]] const Warnings& warnings() const;
 
   /// How the camera is mounted by the floor in view, in words; nullopt before one was seen for 2 s

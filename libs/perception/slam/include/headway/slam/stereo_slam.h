@@ -71,7 +71,7 @@ enum class ImageEvidence {
 /// Why a pose is unreliable.
 enum class Doubt {
   kNone,
-  kImages,    ///< left and right images contradict each other
+  kImages,    ///< left and right images contradict each other, or the right one the map
   kFrozen,    ///< the same images again, though the camera has or may have moved: it is predicted
   kOdometry,  ///< camera and wheels differ by more than 3 sigma over the last second
   kSpeed,     ///< faster than slam.max_speed
@@ -209,8 +209,8 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
-  /// Where the robot is, roughly: while the camera is lost, as it is in a map that was loaded, it is
-  /// searched there first, within 5 m and a right angle. Forgotten when the camera is tracked.
+  /// Where the robot is, roughly: while the camera is lost, as it is in a map that was loaded, it
+  /// is searched there first, within 5 m and a right angle. Forgotten when the camera is tracked.
   void setInitialPose(const Pose& T_map_robot);
 
   /// Waits for a running background search for loops and adjustment and applies both, at the end of
