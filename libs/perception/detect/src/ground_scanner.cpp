@@ -309,8 +309,8 @@ class ColumnScanner {
     const int side = disparity_.block_px / disparity_.reduce;
     const int first = std::max(0, column - side);
     const int last = std::min(image_.cols - 1, column + side);
-    // No more rows than a block has: they are alike.
-    const std::size_t step = 1 + obstacle.rows.size() / static_cast<std::size_t>(side + 1);
+    // A few rows will do: a block has smoothed them.
+    const std::size_t step = 1 + obstacle.rows.size() / static_cast<std::size_t>(side / 2 + 1);
     std::vector<cv::Point> cells;
     for (std::size_t i = 0; i < obstacle.rows.size(); i += step) {
       for (int x = first; x <= last; ++x) cells.emplace_back(x, obstacle.rows[i]);
