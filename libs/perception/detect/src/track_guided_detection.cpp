@@ -160,7 +160,6 @@ MovingObject detected(const SearchedObject& object, ObjectExtent extent, const M
   result.extent = std::move(extent);
   result.velocity = object.velocity;
   result.first_frame = frame.path.newest();
-  result.evidence = {};
   result.evidence.appearance = true;
   result.searched_track = object.track;
   result.group = object.group;

@@ -107,13 +107,18 @@ class FrameTimes {
 /// Samples of the file at the times of frames, by position of the frame.
 using SamplesByPosition = std::vector<std::vector<TrackSample>>;
 
+/// Order of tracks by their distance to the robot.
+auto nearerTo(const Pose& T_map_robot) {
+  return [robot = Eigen::Vector3d(T_map_robot.translation())](const Track& a, const Track& b) {
+    return (a.position - robot).squaredNorm() < (b.position - robot).squaredNorm();
+  };
+}
+
 /// Keeps the samples nearest to the robot.
 void keepNearest(std::size_t count, const Pose& T_map_robot, std::vector<TrackSample>& samples) {
-  const auto distance = [&](const TrackSample& sample) {
-    return (sample.track.position - T_map_robot.translation()).squaredNorm();
-  };
+  const auto is_nearer = nearerTo(T_map_robot);
   std::stable_sort(samples.begin(), samples.end(), [&](const TrackSample& a, const TrackSample& b) {
-    return distance(a) < distance(b);
+    return is_nearer(a.track, b.track);
   });
   if (samples.size() > count)
     samples.erase(samples.begin() + static_cast<long>(count), samples.end());
@@ -238,10 +243,7 @@ void addPast(const PathsByTrack& paths, double past_s, std::vector<ReplayFrame>&
 }  // namespace
 
 void sortByDistance(ReplayFrame& frame) {
-  const Eigen::Vector3d robot = frame.T_map_robot.translation();
-  std::stable_sort(frame.tracks.begin(), frame.tracks.end(), [&](const Track& a, const Track& b) {
-    return (a.position - robot).squaredNorm() < (b.position - robot).squaredNorm();
-  });
+  std::stable_sort(frame.tracks.begin(), frame.tracks.end(), nearerTo(frame.T_map_robot));
 }
 
 ReplayInput readReplayInput(const fs::path& folder) {
@@ -266,9 +268,11 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   const FrameTimes times(path.poses);
   SamplesByPosition samples(path.poses.size());
   const bool has_tracks = fs::exists(folder / "tracks.csv");
-  if (has_tracks)
+  if (has_tracks) {
     samples = readSamples(folder / "tracks.csv", times, path.poses, options.max_boxes, note);
-  if (!has_tracks) note("no tracks.csv in " + folder.string() + ": drawn without tracks");
+  } else {
+    note("no tracks.csv in " + folder.string() + ": drawn without tracks");
+  }
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
   addTracks(samples, frames);
@@ -288,8 +292,9 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   }
   if (!(options.past_s > 0.0)) return frames;
   const fs::path smoothed = folder / "tracks_smoothed.csv";
-  if (fs::exists(smoothed))
-    samples = readSamples(smoothed, times, path.poses, options.max_boxes, note);
+  if (fs::exists(smoothed)) {  // the same boxes: what is left out was said of tracks.csv
+    samples = readSamples(smoothed, times, path.poses, options.max_boxes, [](const auto&) {});
+  }
   addPast(pathsOf(samples, to_final), options.past_s, frames);
   return frames;
 }
