@@ -134,14 +134,14 @@ TEST_F(BrokenObjectTest, LengthsBeyondTheFileAllocateNothing) {
       test::stereoBytes(1, objectBytes(name, 9, bytesOf(false, true, -30000, -30000)), ""),
       test::stereoBytes(1, objectBytes(name, 9, bytesOf(false, false, 30000, 30000, 0, huge)), ""),
       test::stereoBytes(1, objectBytes(name, 0, bytesOf(huge, huge, 3, '\1', huge)), "")};
-  const long before = headway::test::peakMemoryMb();
+  const headway::test::PeakMemory memory;
   for (const auto& object : broken) {
     const auto result = readFrom(good(0) + object + good(2));
     EXPECT_EQ(2u, result.indices.size());
     ASSERT_EQ(1u, result.skipped.size());
     EXPECT_EQ(0u, result.skipped.begin()->first.find("unreadable_"));
   }
-  EXPECT_LT(headway::test::peakMemoryMb() - before, 50);
+  EXPECT_LT(memory.growthMb(), 50);
 }
 
 TEST_F(BrokenObjectTest, NestedObjectsNeedNoStack) {

@@ -21,8 +21,7 @@ using ::testing::Pair;
 
 class HugeImageTest : public ::testing::Test {
  protected:
-  HugeImageTest() : before_(headway::test::peakMemoryMb()) {}
-  ~HugeImageTest() override { EXPECT_LT(headway::test::peakMemoryMb() - before_, 50); }
+  ~HugeImageTest() override { EXPECT_LT(memory_.growthMb(), 50); }
 
   void write(const std::string& name, const std::string& content) {
     test::writeContent(folder_ / name, content);
@@ -32,7 +31,7 @@ class HugeImageTest : public ::testing::Test {
   const std::string huge_ = test::blackPng(30000, 30000);
 
  private:
-  long before_;
+  const headway::test::PeakMemory memory_;
 };
 
 TEST_F(HugeImageTest, IsBrokenInEachFormat) {

@@ -44,10 +44,10 @@ TEST(PictureUriTest, RefusesAFileThatIsNoPicture) {
 TEST(PictureUriTest, RefusesAHugePictureBeforeItTakesMemory) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "huge.png", std::ios::binary) << test::blackPng(30000, 30000);
-  const auto before = test::peakMemoryMb();
+  const test::PeakMemory memory;
   EXPECT_THROW((void)pictureUri(folder / "huge.png", 100), InputError);
   EXPECT_THROW((void)gridPicture(folder / "huge.png"), InputError);
-  EXPECT_LT(test::peakMemoryMb() - before, 50);
+  EXPECT_LT(memory.growthMb(), 50);
 }
 
 TEST(HtmlTest, EscapesSpecialCharacters) {

@@ -5,6 +5,7 @@
 #include <headway/report/replay_page.h>
 
 #include <opencv2/core.hpp>
+#include <sstream>
 
 namespace headway::report {
 namespace {
@@ -77,7 +78,10 @@ TEST(PageDataTest, StatesAndPredictionsAreWholeNumbers) {
   track.predictions = {{0, 0.7, {point}}};
   ReplayFrame frame{9, 100.5, Pose::Identity(), {track}};
   ReplayFrame before{8, 100.0, Pose::Identity(), {}};
-  const auto data = pageData("/nonexistent", {before, frame}, {}, {});
+  const std::vector<ReplayFrame> frames = {before, frame};
+  std::ostringstream text;
+  writePageData(text, pageData("/nonexistent", frames, {}, {}, [](const auto&) {}), frames);
+  const auto data = nlohmann::json::parse(text.str());
   EXPECT_EQ(0.5, data["frames"][1]["time"]);
   EXPECT_EQ(9, data["frames"][1]["frame"]);
   EXPECT_THAT(data["frames"][1]["states"][0].get<std::vector<int>>(),
@@ -88,6 +92,24 @@ TEST(PageDataTest, StatesAndPredictionsAreWholeNumbers) {
   EXPECT_EQ(1, data["tracks"][0]["votes"]["1"]);
   EXPECT_TRUE(data["truth"].is_null());
   EXPECT_TRUE(data["camera"].is_null());
+}
+
+TEST(PageDataTest, OfVeryManyTrueBoxesTheNearestAreShownAndTheRestIsSaid) {
+  ReplayTruth truth;
+  truth.path = {{100.0, Pose::Identity()}};
+  truth.objects[0].resize(20100);
+  for (std::size_t i = 0; i < truth.objects[0].size(); ++i) {
+    truth.objects[0][i].position.x() = 1.0 + 0.01 * static_cast<double>((7 * i) % 20100);
+  }
+  std::string noted;
+  const auto data = pageData("/nonexistent", {{0, 100.0, Pose::Identity(), {}, {}}}, truth, {},
+                             [&](const auto& note) { noted += note; });
+  EXPECT_EQ("100 true boxes are left out: at most the nearest 20000 of each frame are shown",
+            noted);
+  const auto& boxes = data["truth"]["objects"][0];
+  ASSERT_EQ(20000U, boxes.size());
+  EXPECT_EQ(100, boxes[0][0]);
+  EXPECT_EQ(100 + 19999, boxes[19999][0]);
 }
 
 }  // namespace

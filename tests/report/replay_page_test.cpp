@@ -162,10 +162,10 @@ TEST_F(ReplayPageTest, OfVeryManyBoxesTheNearestAreShownAndTheRestIsSaid) {
   }
   io::writeTum(folder_ / "trajectory.tum", path);
   std::vector<std::string> notes;
-  const long before = test::peakMemoryMb();
+  const test::PeakMemory memory;
   const auto page =
       writeReplayPage(folder_.path(), options_, [&](const auto& n) { notes.push_back(n); });
-  EXPECT_LT(test::peakMemoryMb() - before, 100) << "of more than 700 with all boxes";
+  EXPECT_LT(memory.growthMb(), 100) << "of more than 700 with all boxes";
   EXPECT_LT(std::filesystem::file_size(page), 15'000'000U);
   ASSERT_EQ(2U, notes.size());
   EXPECT_THAT(notes[0], HasSubstr("40020 of 60000 boxes are left out: at most the nearest 333"));

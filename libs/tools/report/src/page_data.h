@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,18 @@ struct PackedPoints {
 /// Packs points; those that are not finite are left out.
 [[nodiscard]] PackedPoints packed(std::vector<ColouredPoint> points);
 
-/// What the page shows except the points and images, as JSON: lengths and positions of objects in
-/// cm, angles in mrad, speeds in cm/s, all integers; times in seconds since the first frame.
+/// What the page shows of the whole run, without frames, tracks, points and images. Of more true
+/// boxes than a page can hold the nearest of each frame are shown, which is noted.
 [[nodiscard]] nlohmann::ordered_json pageData(const std::filesystem::path& folder,
                                               const std::vector<ReplayFrame>& frames,
                                               const ReplayTruth& truth,
-                                              const std::vector<Stamped<Pose>>& keyframes);
+                                              const std::vector<Stamped<Pose>>& keyframes,
+                                              const Note& note);
+
+/// Writes these data with tracks and frames as one JSON object, a frame at a time: lengths and
+/// positions of objects in cm, angles in mrad, speeds in cm/s, all integers; times in seconds since
+/// the first frame.
+void writePageData(std::ostream& out, const nlohmann::ordered_json& data,
+                   const std::vector<ReplayFrame>& frames);
 
 }  // namespace headway::report

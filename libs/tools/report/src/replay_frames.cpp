@@ -242,8 +242,8 @@ void addPast(const PathsByTrack& paths, double past_s, std::vector<ReplayFrame>&
 
 }  // namespace
 
-void sortByDistance(ReplayFrame& frame) {
-  std::stable_sort(frame.tracks.begin(), frame.tracks.end(), nearerTo(frame.T_map_robot));
+void sortByDistance(const Pose& T_map_robot, std::vector<Track>& tracks) {
+  std::stable_sort(tracks.begin(), tracks.end(), nearerTo(T_map_robot));
 }
 
 ReplayInput readReplayInput(const fs::path& folder) {
@@ -276,6 +276,7 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
   addTracks(samples, frames);
+  if (!(options.past_s > 0.0)) samples = {};
   if (fs::exists(folder / "trajectory_odom.tum")) {
     io::visitTum(folder / "trajectory_odom.tum", [&](const Stamped<Pose>& pose) {
       const auto position = times.positionAt(pose.time);

@@ -151,7 +151,7 @@ void keepNearestPredictions(std::vector<ReplayFrame>& frames, const Note& note) 
   }
   if (all <= kLimits.prediction_points) return;
   for (auto& frame : frames) {
-    sortByDistance(frame);
+    sortByDistance(frame.T_map_robot, frame.tracks);
     std::size_t points = 0;
     for (auto& track : frame.tracks) {
       points += pointsOf(track);
@@ -208,8 +208,10 @@ void addRig(const Json& record, Json& data) {
   data["ground"] = data["camera"]["pose"][2].get<double>() - rig.value("camera_height_m", 0.0);
 }
 
-Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames) {
+Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames, const Note& note) {
   if (truth.path.empty()) return nullptr;
+  const std::size_t in_a_frame = std::max<std::size_t>(1, kLimits.boxes / frames.size());
+  std::size_t left_out = 0;
   Json path = Json::array(), objects = Json::array();
   const std::size_t step = 1 + (truth.path.size() - 1) / kLimits.true_poses;
   for (std::size_t i = 0; i < truth.path.size(); i += step) {
@@ -219,7 +221,13 @@ Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames)
     Json boxes = Json::array();
     const auto found = truth.objects.find(frame.frame);
     if (found != truth.objects.end()) {
-      for (const auto& track : found->second) {
+      std::vector<Track> shown = found->second;
+      if (shown.size() > in_a_frame) {
+        left_out += shown.size() - in_a_frame;
+        sortByDistance(frame.T_map_robot, shown);
+        shown.resize(in_a_frame);
+      }
+      for (const auto& track : shown) {
         Json box = Json::array();
         append(box, track.position);
         box.push_back(thousandths(track.yaw));
@@ -228,6 +236,10 @@ Json truthJson(const ReplayTruth& truth, const std::vector<ReplayFrame>& frames)
       }
     }
     objects.push_back(boxes);
+  }
+  if (left_out > 0) {
+    note(std::to_string(left_out) + " true boxes are left out: at most the nearest " +
+         std::to_string(in_a_frame) + " of each frame are shown");
   }
   return {{"path", path}, {"objects", objects}};
 }
@@ -284,23 +296,55 @@ PackedPoints packed(std::vector<ColouredPoint> points) {
 }
 
 Json pageData(const fs::path& folder, const std::vector<ReplayFrame>& frames,
-              const ReplayTruth& truth, const std::vector<Stamped<Pose>>& keyframes) {
-  const TrackNumbers numbers(frames);
+              const ReplayTruth& truth, const std::vector<Stamped<Pose>>& keyframes,
+              const Note& note) {
   Json data = {{"classes", classesJson()},
-               {"tracks", numbers.json()},
                {"camera", cameraJson(folder / "calibration.yaml")},
                {"grid", gridJson(folder / "map_grid.yaml")},
-               {"truth", truthJson(truth, frames)},
+               {"truth", truthJson(truth, frames, note)},
                {"prediction_colour", hex(kPredictionColour)},
-               {"keyframes", Json::array()},
-               {"frames", Json::array()}};
+               {"keyframes", Json::array()}};
   const fs::path record = folder / "replay.json";
   addRig(fs::exists(record) ? readJson(record) : Json(), data);
   for (const auto& keyframe : keyframes) data["keyframes"].push_back(poseJson(keyframe.value));
-  for (const auto& frame : frames) {
-    data["frames"].push_back(frameJson(frame, numbers, frames.front().time));
-  }
   return data;
+}
+
+namespace {
+
+/// Text of a JSON value that cannot end the element around it.
+std::string inlineJson(const Json& json) {
+  const std::string plain = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text;
+  std::size_t start = 0;
+  for (auto at = plain.find('<'); at != std::string::npos; at = plain.find('<', start)) {
+    text.append(plain, start, at - start).append("\\u003c");
+    start = at + 1;
+  }
+  return text.append(plain, start, std::string::npos);
+}
+
+/// Writes "[a,b,...]" without a copy of the whole.
+template <typename Values, typename ToJson>
+void writeList(std::ostream& out, const Values& values, const ToJson& to_json) {
+  const char* before = "[";
+  for (const auto& value : values) {
+    out << before << inlineJson(to_json(value));
+    before = ",";
+  }
+  out << (values.empty() ? "[]" : "]");
+}
+
+}  // namespace
+
+void writePageData(std::ostream& out, const Json& data, const std::vector<ReplayFrame>& frames) {
+  const TrackNumbers numbers(frames);
+  out << "{\"tracks\":" << inlineJson(numbers.json()) << ",\"frames\":";
+  writeList(out, frames, [&](const ReplayFrame& frame) {
+    return frameJson(frame, numbers, frames.front().time);
+  });
+  for (const auto& [key, value] : data.items()) out << ",\"" << key << "\":" << inlineJson(value);
+  out << '}';
 }
 
 void PageImages::add(std::size_t frame, const cv::Mat& image) {
@@ -334,44 +378,33 @@ std::string policy(const std::vector<std::string>& scripts, const std::string& s
   return text + "; base-uri 'none'; form-action 'none'";
 }
 
-/// JSON that cannot end the element around it.
-std::string inlineJson(const nlohmann::ordered_json& json) {
-  const std::string plain = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  std::string text;
-  std::size_t start = 0;
-  for (auto at = plain.find('<'); at != std::string::npos; at = plain.find('<', start)) {
-    text.append(plain, start, at - start).append("\\u003c");
-    start = at + 1;
-  }
-  return text.append(plain, start, std::string::npos);
+/// A data block, which browsers do not execute; the caller ends it.
+std::ostream& startBlock(std::ostream& out, const std::string& id, const std::string& type) {
+  return out << "<script type=\"" << type << "\" id=\"" << id << "\">";
 }
+constexpr char kEndBlock[] = "</script>\n";
 
-/// A data block, which browsers do not execute.
-std::string block(const std::string& id, const std::string& type, const std::string& text) {
-  return "<script type=\"" + type + "\" id=\"" + id + "\">" + text + "</script>\n";
-}
-
-nlohmann::ordered_json boundsJson(const PackedPoints& points) {
+Json boundsJson(const PackedPoints& points) {
   return {{"count", points.count},
           {"spacing", points.spacing},
           {"origin", {points.origin.x(), points.origin.y(), points.origin.z()}},
           {"step", {points.step.x(), points.step.y(), points.step.z()}}};
 }
 
-/// Adds the points of a file to the data, and returns the block with their bytes.
-std::string pointsBlock(const fs::path& path, std::size_t max_points, const std::string& id,
-                        nlohmann::ordered_json& data) {
-  data[id] = nullptr;
-  if (!fs::exists(path)) return "";
+/// Writes the points of a file, and returns what the page needs to read them.
+Json writePoints(std::ostream& out, const fs::path& path, std::size_t max_points,
+                 const std::string& id) {
+  if (!fs::exists(path)) return nullptr;
   const PackedPoints points = packed(readPoints(path, max_points));
-  data[id] = boundsJson(points);
-  return block(id, "text/plain", base64(points.bytes));
+  startBlock(out, id, "text/plain") << base64(points.bytes) << kEndBlock;
+  return boundsJson(points);
 }
 
-std::string imagesBlock(const JpegByFrame& images) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const auto& [frame, jpeg] : images) list.push_back({frame, base64(jpeg)});
-  return block("images", "application/json", inlineJson(list));
+void writeImages(std::ostream& out, const JpegByFrame& images) {
+  writeList(startBlock(out, "images", "application/json"), images, [](const auto& image) {
+    return Json{image.first, base64(image.second)};
+  });
+  out << kEndBlock;
 }
 
 /// Name of the recording, or else of the folder.
@@ -389,8 +422,8 @@ bool endedEarly(const fs::path& folder) {
   return reason != summary.end() && reason->is_string();
 }
 
-std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& options,
-                           const Note& note) {
+void writeFrames(std::ostream& out, const fs::path& folder, const ReplayPageOptions& options,
+                 Json points, const Note& note) {
   ReplayFrameOptions reading;
   reading.max_frames = kLimits.frames;
   reading.past_s = 0.0;
@@ -400,23 +433,32 @@ std::string readReplayPage(const fs::path& folder, const ReplayPageOptions& opti
   keepNearestPredictions(frames, note);
   ReplayTruth truth;
   if (!options.truth.empty()) truth = readReplayTruth(options.truth, frames, note);
-  auto data = pageData(folder, frames, truth, options.keyframes);
+  Json data = pageData(folder, frames, truth, options.keyframes, note);
+  data.update(points);
+  writePageData(startBlock(out, "data", "application/json"), data, frames);
+  out << kEndBlock;
+}
+
+/// One part after the other, so that memory is that of the largest one.
+void writePage(std::ostream& out, const fs::path& folder, const ReplayPageOptions& options,
+               const Note& note) {
   std::string title = options.title.empty() ? nameOf(folder) : options.title;
   if (endedEarly(folder)) title += " (ended early)";
-  data["title"] = title;
-  const std::string points =
-      pointsBlock(folder / "map_dense.ply", kLimits.dense_points, "dense", data) +
-      pointsBlock(folder / "map_points.ply", kLimits.landmarks, "landmarks", data);
   const std::string three(kThreeScript), script = pageScript(), style(kPageStyle);
-  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
-         policy({three, script}, style) +
-         "\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>" +
-         escaped(title) + " – headway replay</title><style>" + style + "</style></head><body>\n" +
-         kPageBody + block("data", "application/json", inlineJson(data)) +
-         imagesBlock(options.images) + points + "<!-- three.js r" + kThreeRevision +
-         ", MIT licence, Copyright 2010-2019 three.js authors -->\n<script>" + three +
-         "</script>\n<script>" + script + "</script>\n</body></html>\n";
+  out << "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+         "<meta http-equiv=\"Content-Security-Policy\" content=\""
+      << policy({three, script}, style)
+      << "\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>"
+      << escaped(title) << " – headway replay</title><style>" << style << "</style></head><body>\n"
+      << kPageBody;
+  Json points = {{"title", title}};
+  points["dense"] = writePoints(out, folder / "map_dense.ply", kLimits.dense_points, "dense");
+  points["landmarks"] = writePoints(out, folder / "map_points.ply", kLimits.landmarks, "landmarks");
+  writeImages(out, options.images);
+  writeFrames(out, folder, options, points, note);
+  out << "<!-- three.js r" << kThreeRevision
+      << ", MIT licence, Copyright 2010-2019 three.js authors -->\n<script>" << three
+      << "</script>\n<script>" << script << "</script>\n</body></html>\n";
 }
 
 }  // namespace
@@ -425,7 +467,9 @@ fs::path writeReplayPage(const fs::path& folder, const ReplayPageOptions& option
                          const Note& note) {
   const fs::path path = options.output.empty() ? folder / "replay.html" : options.output;
   try {
-    writeFile(path, readReplayPage(folder, options, note));
+    OutputFile file(path);
+    writePage(file.stream(), folder, options, note);
+    file.commit();
   } catch (const nlohmann::json::exception& error) {
     throw InputError((folder / "replay.json").string() +
                      ": an entry is not what a replay writes: " + error.what());

@@ -30,7 +30,7 @@ struct ReplayFrame {
 };
 
 /// Sorts the tracks of a frame by their distance to the robot.
-void sortByDistance(ReplayFrame& frame);
+void sortByDistance(const Pose& T_map_robot, std::vector<Track>& tracks);
 
 /// The recording of a replay.
 struct ReplayInput {
