@@ -7,6 +7,7 @@
 #include <headway/core/object_class.h>
 #include <headway/core/stage_times.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -197,19 +198,24 @@ std::string jpegOf(const LivePictures& pictures) {
                  {cv::IMWRITE_JPEG_QUALITY, 75});
 }
 
-/// The occupancy grid as PNG with transparent unknown cells, greatest y first; empty without one.
+/// The occupancy grid as PNG with transparent unknown cells, greatest y first, of at most as many
+/// pixels a side as screens have; empty without one. Occupied cells prevail where cells share a
+/// pixel.
 std::string pngOf(const LivePictures& pictures) {
   const auto grid = pictures.map.staticGrid();
   if (!grid) return {};
-  const auto columns = static_cast<int>(grid->getSizeX());
-  const auto rows = static_cast<int>(grid->getSizeY());
+  const auto cells_x = static_cast<int>(grid->getSizeX());
+  const auto cells_y = static_cast<int>(grid->getSizeY());
+  const int cells_a_pixel = 1 + (std::max(cells_x, cells_y) - 1) / 1600;
+  const int columns = 1 + (cells_x - 1) / cells_a_pixel, rows = 1 + (cells_y - 1) / cells_a_pixel;
+  const cv::Vec4b free_colour(0x43, 0x38, 0x2f, 255), occupied_colour(0xe4, 0xd9, 0xcf, 255);
   cv::Mat picture(rows, columns, CV_8UC4, cv::Scalar(0, 0, 0, 0));
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < columns; ++x) {
+  for (int y = 0; y < cells_y; ++y) {
+    for (int x = 0; x < cells_x; ++x) {
       const float free = grid->getCell(x, y);
-      auto& pixel = picture.at<cv::Vec4b>(rows - 1 - y, x);
-      if (free > 0.65F) pixel = {0x43, 0x38, 0x2f, 255};
-      if (free < 0.35F) pixel = {0xe4, 0xd9, 0xcf, 255};
+      auto& pixel = picture.at<cv::Vec4b>(rows - 1 - y * rows / cells_y, x * columns / cells_x);
+      if (free > 0.65F && pixel != occupied_colour) pixel = free_colour;
+      if (free < 0.35F) pixel = occupied_colour;
     }
   }
   return encoded(".png", picture, {cv::IMWRITE_PNG_COMPRESSION, 1});

@@ -13,6 +13,7 @@
 #include <boost/beast/http.hpp>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <list>
 #include <map>
 #include <random>
@@ -136,6 +137,7 @@ class PageServer::Implementation {
   void respond(const Shared& connection);
   [[nodiscard]] bool isAdmitted(const Parser::value_type& request) const;
   [[nodiscard]] Answer answerTo(Connection& connection);
+  void answer(Connection& connection);
   void finish(const Shared& connection);
   void drain(const Shared& connection);
   void watchStream(const Shared& connection);
@@ -228,7 +230,7 @@ void PageServer::Implementation::receive(const Shared& connection) {
   const auto received = [this, connection](error_code error, std::size_t) {
     if (!connection->socket.is_open()) return;
     if (!error) {
-      connection->answer = answerTo(*connection);
+      answer(*connection);
     } else if (error == http::error::header_limit || error == http::error::buffer_overflow) {
       connection->answer = refusal(431, "the header is too long");
     } else {
@@ -276,6 +278,16 @@ Answer PageServer::Implementation::answerTo(Connection& connection) {
   return {200, "text/event-stream"};
 }
 
+/// A handler that fails costs its request alone.
+void PageServer::Implementation::answer(Connection& connection) {
+  try {
+    connection.answer = answerTo(connection);
+  } catch (const std::exception&) {
+    connection.next_event = nullptr;
+    connection.answer = refusal(500, "the answer could not be made");
+  }
+}
+
 void PageServer::Implementation::respond(const Shared& connection) {
   limitTime(connection);
   connection->is_writing = true;
@@ -319,7 +331,11 @@ void PageServer::Implementation::watchStream(const Shared& connection) {
 
 void PageServer::Implementation::sendNextEvent(const Shared& connection) {
   if (!connection->socket.is_open()) return;
-  connection->text = connection->next_event();
+  try {
+    connection->text = connection->next_event();
+  } catch (const std::exception&) {
+    return close(connection);
+  }
   if (connection->text.empty()) {
     connection->timer.expires_after(kServer.event_interval);
     connection->timer.async_wait([this, connection](error_code error) {

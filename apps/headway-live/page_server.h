@@ -23,7 +23,8 @@ struct Answer {
 /// others is 503. A connection is one request: 8 kB of header and no body, which takes 2 s at most,
 /// as does each write. Of more than 16 connections the one whose request has been incomplete for
 /// longest is refused, so that slow clients do not shut out others. A quarter of the process's
-/// descriptors is left to files. One thread serves all; handlers are called by it.
+/// descriptors is left to files. One thread serves all; handlers are called by it, and one that
+/// throws costs its request alone (500) or its stream.
 ///
 ///     PageServer server("127.0.0.1", "");
 ///     server.get("/health", [] { return Answer{200, "text/plain", text}; });

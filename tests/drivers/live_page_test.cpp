@@ -7,6 +7,7 @@
 #include <headway/core/stage_times.h>
 #include <headway_test/folders.h>
 #include <headway_test/http_client.h>
+#include <headway_test/peak_memory.h>
 #include <headway_test/process.h>
 #include <headway_test/waiting.h>
 #include <headway_test/walking_track.h>
@@ -122,6 +123,23 @@ TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   const cv::Mat cells = cv::imdecode(png, cv::IMREAD_UNCHANGED);
   EXPECT_EQ(4, cells.channels());
   EXPECT_EQ(1, cv::countNonZero(cv::Mat(cells.reshape(1, cells.rows * cells.cols).col(3))));
+}
+
+TEST_F(LivePageTest, ALargeGridIsShownSmallerWithAllThatIsOccupied) {
+  LivePage page({});
+  LivePictures pictures = examplePictures(4);
+  auto grid = mrpt::maps::COccupancyGridMap2D::Create(-225.0F, 225.0F, -150.0F, 150.0F, 0.1F);
+  for (int i = 0; i < 3; ++i) grid->setCell(3000 + i, 0, i == 1 ? 0.1F : 0.9F);
+  pictures.map.update(grid);
+  const test::PeakMemory memory;
+  page.draw(pictures);
+  const std::string png = get(page, "/grid.png").body;
+  EXPECT_LE(memory.growthMb(), 20.0);
+  const cv::Mat cells =
+      cv::imdecode(std::vector<char>(png.begin(), png.end()), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(cv::Size(1500, 1000), cells.size());
+  EXPECT_EQ(cv::Vec4b(0xe4, 0xd9, 0xcf, 255), cells.at<cv::Vec4b>(999, 1000));
+  EXPECT_EQ(1, cv::countNonZero(cv::Mat(cells.reshape(1, 1500 * 1000).col(3))));
 }
 
 TEST_F(LivePageTest, FiguresGoOnWhilePicturesAreLeftOut) {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <headway/core/recorded_frame.h>
 #include <headway_test/http_client.h>
-#include <headway_test/repeats.h>
+#include <headway_test/peak_memory.h>
 #include <headway_test/waiting.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -26,14 +26,6 @@ using ::testing::StartsWith;
 
 constexpr const char* kSlow = "GET / HTTP/1.1\r\nX: ";  // a header that is not complete yet
 
-/// Of this process [MB].
-double residentMemoryMb() {
-  std::ifstream file("/proc/self/statm");
-  long size = 0, resident = 0;
-  file >> size >> resident;
-  return 1e-6 * static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 std::size_t openFiles() {
   const std::filesystem::directory_iterator files("/proc/self/fd");
   return static_cast<std::size_t>(std::distance(begin(files), end(files)));
@@ -47,17 +39,16 @@ class PageServerTest : public ::testing::Test {
     server_->get("/picture", std::string(30'000'000, 'x'), "image/png");
     server_->stream("/events",
                     [] { return [n = 0]() mutable { return std::to_string(n++) + "\n"; }; });
+    server_->get("/broken", []() -> Answer { throw std::runtime_error("no memory"); });
+    server_->stream("/broken_events",
+                    [] { return []() -> std::string { throw std::runtime_error("no memory"); }; });
     server_->start(0, "--show");
     const std::string url = server_->url();
     port_ = std::stoi(url.substr(url.rfind(':') + 1));
     host_ = "127.0.0.1:" + std::to_string(port_);
-    memory_mb_ = residentMemoryMb();
+    memory_.emplace();
   }
-  ~PageServerTest() override {
-    if (!test::kSanitized) {
-      EXPECT_LE(residentMemoryMb() - memory_mb_, 20.0) << "more memory [MB]";
-    }
-  }
+  ~PageServerTest() override { EXPECT_LE(memory_->growthMb(), 20.0); }
 
   [[nodiscard]] Connection connect() const { return {"127.0.0.1", port_}; }
   [[nodiscard]] int statusOf(const std::string& path) const {
@@ -88,7 +79,7 @@ class PageServerTest : public ::testing::Test {
   std::optional<PageServer> server_{std::in_place, "127.0.0.1", ""};
   int port_ = 0;
   std::string host_;
-  double memory_mb_ = 0.0;  ///< before the test
+  std::optional<test::PeakMemory> memory_;
 };
 
 TEST_F(PageServerTest, AClientHasTwoSecondsForItsRequestHoweverItSendsIt) {
@@ -127,11 +118,34 @@ TEST_F(PageServerTest, HostComesFirstAndABodyIsNotRead) {
   EXPECT_EQ(405, statusOfRequest(test::httpRequest("/", host_, body, "POST")));
   EXPECT_EQ(413, statusOfRequest(test::httpRequest("/", host_, body)));
   EXPECT_EQ(413, statusOfRequest(test::httpRequest("/", host_, "Transfer-Encoding: chunked\r\n")));
+  Connection sender = connect();
+  sender.send(test::httpRequest("/", host_, "Content-Length: 60000000\r\n", "POST"));
+  const std::string part(60000, 'x');
+  const double begin_s = monotonicSeconds();
+  bool is_open = true;
+  for (int i = 0; i < 1000 && is_open; ++i) is_open = sender.send(part);
+  EXPECT_LT(monotonicSeconds() - begin_s, 3.0);
   EXPECT_EQ("", [&] {
     Connection client = connect();
     client.send("\x16\x03\x01 nonsense\r\n\r\n");
     return client.receiveAll();
   }());
+}
+
+TEST_F(PageServerTest, WhatFailsToAnswerCostsItsRequestAlone) {
+  EXPECT_EQ(500, statusOf("/broken"));
+  EXPECT_EQ(200, statusOf("/broken_events")) << "the stream ends after its header";
+  EXPECT_EQ(200, statusOf("/"));
+}
+
+TEST_F(PageServerTest, AStreamThatIsNotReadIsClosed) {
+  std::list<Connection> streams;
+  for (int i = 0; i < 4; ++i) streams.push_back(openStream());
+  EXPECT_TRUE(test::waitUntil([&] { return statusOf("/events") == 503; }));
+  EXPECT_TRUE(test::waitUntil([&] {
+    Connection stream = openStream();
+    return firstOf(stream).rfind("HTTP/1.1 200", 0) == 0;
+  })) << "a place is free again";
 }
 
 TEST_F(PageServerTest, SlowClientsDoNotShutOutOthers) {
