@@ -57,9 +57,9 @@ program::OutputFolder::IsResult isResultOf(const Options& options,
   folders.insert(names.begin(), names.end());
   for (std::size_t i = 1; i < names.size(); ++i) folders.insert(mapFolder(i).string());
   return [folders](const fs::path& file) {
-    if (isResult(file)) return true;
+    if (program::isResult(file)) return true;
     const fs::path folder = *file.begin();
-    return folders.count(folder.string()) > 0 && isResult(file.lexically_relative(folder));
+    return folders.count(folder.string()) > 0 && program::isResult(file.lexically_relative(folder));
   };
 }
 

@@ -148,7 +148,7 @@ Replay::Replay(const Options& options, std::unique_ptr<run::Source> source,
       perception_(makePerception(options, source_->camera(),
                                  perceptionParams(options, perception_params), gnss_)),
       folder_(options.output, options.overwrite,
-              {options.input, options.detections, options.load_map}, isResult),
+              {options.input, options.detections, options.load_map}, program::isResult),
       writers_(folder_.path()),
       checkpoint_(
           folder_.path(), options.checkpoint_s, [this] { return checkpointContents(); },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of a run: rows of each frame, trajectories, checkpoints, and which files are results.
+// The files of a run: rows of each frame, trajectories and checkpoints.
 #include "result_files.h"
 
 #include <headway/core/detection.h>
@@ -15,7 +15,6 @@
 #include <exception>
 #include <fstream>
 #include <iomanip>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -152,23 +151,6 @@ void writeContents(const fs::path& folder, CheckpointContents contents) {
 }
 
 }  // namespace
-
-bool isResult(const fs::path& file) {
-  if (file.parent_path() == "snapshots") return program::isNumberedPicture(file);
-  static const std::set<std::string> names = {
-      "calibration.yaml",     "detections.csv",      "lost.jpg",
-      "map.headway",          "map_dense.ply",       "map_geo.json",
-      "map.simplemap",        "map_grid.gridmap.gz", "map_grid.png",
-      "map_grid.yaml",        "map_odom.csv",        "map_points.ply",
-      "predictions.csv",      "recordings.json",     "replay.html",
-      "replay.json",          "report.html",         "scene.3Dscene",
-      "summary.json",         "tracks.csv",          "tracks.geojson",
-      kKittiTracks,           "tracks_odom.csv",     "tracks_smoothed.csv",
-      "trajectory.geojson",   "trajectory.tum",      "trajectory_covariance.csv",
-      "trajectory_kitti.txt", "trajectory_odom.tum", "trajectory_online.tum"};
-  static const std::regex submap("(map_.*)_submap_[0-9]+(\\..*)");
-  return names.count(std::regex_replace(file.string(), submap, "$1$2")) > 0;
-}
 
 FrameWriters::FrameWriters(const fs::path& folder)
     : folder_(folder),

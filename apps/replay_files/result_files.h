@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of a run: rows of each frame, trajectories, checkpoints, and which files are results.
+// The files of a run: rows of each frame, trajectories and checkpoints.
 #pragma once
 
 #include <headway/core/output_file.h>
@@ -25,10 +25,6 @@
 #include "summary.h"
 
 namespace headway::replay {
-
-/// Whether a file in the folder of a run is one of its results, by its path in the folder. Old
-/// results are removed when new ones replace them; other files are not touched.
-[[nodiscard]] bool isResult(const std::filesystem::path& file);
 
 /// Writes the results of each frame at once, so that a killed run lacks none of them:
 /// trajectory_online.tum, trajectory_odom.tum, map_odom.csv, trajectory_covariance.csv,

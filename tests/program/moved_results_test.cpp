@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/program/files.h>
 #include <headway_test/folders.h>
 
 #include <cmath>
@@ -96,11 +97,11 @@ TEST(IsResultTest, FilesOfARunAndOfItsSubmapsAndNoOthers) {
   for (const char* name :
        {"tracks.csv", "tracks_odom.csv", "trajectory_odom.tum", "map_odom.csv",
         "map_points_submap_2.ply", "map_grid_submap_12.gridmap.gz", "snapshots/000010.png"}) {
-    EXPECT_TRUE(isResult(name)) << name;
+    EXPECT_TRUE(program::isResult(name)) << name;
   }
   for (const char* name : {"notes.txt", "map_points_submap_.ply", "map_notes_submap_2.txt",
                            "snapshots/10.png", "other/tracks.csv"}) {
-    EXPECT_FALSE(isResult(name)) << name;
+    EXPECT_FALSE(program::isResult(name)) << name;
   }
 }
 

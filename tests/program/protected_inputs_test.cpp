@@ -2,9 +2,12 @@
 // Each program on files that are read and written at once, and on a full standard output.
 #include <gmock/gmock.h>
 #include <headway_test/folders.h>
+#include <headway_test/paths.h>
 #include <headway_test/process.h>
 
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -121,6 +124,54 @@ TEST_F(ProtectedInputsTest, AreNeverOutputs) {
     }
   }
   EXPECT_GT(refused, 100);
+}
+
+/// Of a run, or of truth.
+TEST(ProtectedFoldersTest, TheirFilesAreInputs) {
+  const test::TemporaryFolder folder;
+  const std::string read = folder.path().string(), bundled = HEADWAY_SOURCE_DIR "/rawlogs/hall";
+  std::filesystem::copy(bundled + ".truth", read, std::filesystem::copy_options::recursive);
+  for (const char* name : {"map_grid.png", "map_grid.yaml", "tracks.csv"})
+    std::ofstream(folder / name) << "kept\n";
+  std::ofstream(folder / "notes.json") << "old\n";
+  const auto contents = [&] {
+    std::map<std::string, std::string> files;
+    for (const char* name :
+         {"trajectory.tum", "objects.csv", "map_grid.png", "map_grid.yaml", "tracks.csv"}) {
+      files[name] = test::contentsOf(folder / name);
+    }
+    return files;
+  };
+  const auto before = contents();
+  for (const std::string& call :
+       {"headway-replay -q -i " + bundled + ".rawlog --truth " + read + " -w -o " + read,
+        "headway-eval people " + read + " --truth x --json " + read + "/tracks.csv -w",
+        "headway-eval grid --truth " + read + " --estimate x --json " + read + "/objects.csv -w",
+        "headway-export rosmap " + read + " -w -o " + read + "/map_grid.yaml",
+        "headway-render -i " + read + " -w -o " + read + "/map_grid.png"}) {
+    SCOPED_TRACE(call);
+    const auto space = call.find(' ');
+    const auto result = test::runProcess(test::program(call.substr(0, space)) + call.substr(space));
+    EXPECT_EQ(1, result.status);
+    EXPECT_THAT(result.output, testing::HasSubstr("is an input and would be "));
+    EXPECT_EQ(before, contents());
+  }
+  const auto other = test::runProcess(test::program("headway-eval") + " people " + read +
+                                      " --truth x --json " + read + "/notes.json -w");
+  EXPECT_THAT(other.output, testing::Not(testing::HasSubstr("is an input")));
+}
+
+TEST(ProtectedFoldersTest, WhatAParameterNamesIsAnInput) {
+  const test::TemporaryFolder folder;
+  const std::string network = folder / "network.onnx";
+  std::ofstream(network) << "kept\n";
+  std::ofstream(folder / "sensors.ini") << "[sensor]\n";
+  const auto result = test::runProcess(
+      test::program("headway-live") + " --sensors " + (folder / "sensors.ini").string() + " -o " +
+      (folder / "out").string() + " -w --record " + network + " --set dnn.model=" + network);
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.output, testing::HasSubstr("is an input and would be overwritten"));
+  EXPECT_EQ("kept\n", test::contentsOf(network));
 }
 
 TEST(StandardOutputTest, IsWrittenWholeOrAnError) {

@@ -232,7 +232,10 @@ struct CommandLine::Arguments {
   void protectInputs() const {
     for (const auto& [option, read_value] : readers) {
       if (isOutput(*option)) continue;
-      for (const auto& text : option->results()) registerInput(text);
+      for (const auto& text : option->results()) {
+        registerInput(text);
+        registerInputsIn(text);
+      }
     }
     for (const auto& path : configs) registerInput(findDataFile(path));
     for (const auto& [option, read_value] : readers) {
@@ -382,6 +385,9 @@ bool CommandLine::parse(int argc, const char* const* argv) {
     for (const auto& path : arguments_->configs) params_->loadFile(findDataFile(path));
     if (after_files_) after_files_();
     for (const auto& assignment : arguments_->assignments) params_->set(assignment);
+    for (const auto& [section, values] : params_->values()) {
+      for (const auto& [key, value] : values) registerInput(value);  // such as a network
+    }
     for (const auto& text : params_->warnings()) {
       std::cerr << program << ": " << printable(text) << std::endl;
     }

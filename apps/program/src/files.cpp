@@ -14,6 +14,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -25,6 +27,26 @@ namespace fs = std::filesystem;
 
 constexpr char kLock[] = ".lock";
 constexpr char kUnfinished[] = "unfinished";
+
+/// What programs read again in a folder of results.
+const std::set<std::string>& readResults() {
+  static const std::set<std::string> names = {
+      "calibration.yaml",     "detections.csv",      "map.headway",
+      "map_dense.ply",        "map_geo.json",        "map.simplemap",
+      "map_grid.png",         "map_grid.yaml",       "map_odom.csv",
+      "map_points.ply",       "map_grid.gridmap.gz", "predictions.csv",
+      "recordings.json",      "replay.json",         "summary.json",
+      "tracks.csv",           "tracks_odom.csv",     "tracks_smoothed.csv",
+      "trajectory.tum",       "trajectory_odom.tum", "trajectory_covariance.csv",
+      "trajectory_online.tum"};
+  return names;
+}
+
+/// Name of the same file of the first submap.
+std::string firstNameOf(const fs::path& file) {
+  static const std::regex submap("(map_.*)_submap_[0-9]+(\\..*)");
+  return std::regex_replace(file.string(), submap, "$1$2");
+}
 
 void requireOtherInputs(const fs::path& folder, const OutputFolder::IsResult& is_result) {
   for (const auto& input : registeredInputs()) {
@@ -88,6 +110,26 @@ bool isNumberedPicture(const fs::path& file) {
   const std::string name = file.stem().string();
   return file.extension() == ".png" && name.size() >= 6 &&
          name.find_first_not_of("0123456789") == std::string::npos;
+}
+
+bool isResult(const fs::path& file) {
+  if (file.parent_path() == "snapshots") return isNumberedPicture(file);
+  static const std::set<std::string> shown = {
+      "lost.jpg",       "replay.html",      "report.html",        "scene.3Dscene",
+      "tracks.geojson", "tracks_kitti.txt", "trajectory.geojson", "trajectory_kitti.txt"};
+  const std::string name = firstNameOf(file);
+  return readResults().count(name) > 0 || shown.count(name) > 0;
+}
+
+void registerInputsIn(const fs::path& folder) {
+  static const std::set<std::string> truth = {"calib.txt",   "drops.csv",       "label_02.txt",
+                                              "objects.csv", "poses_kitti.txt", "world.ini"};
+  std::error_code unreadable;
+  for (const auto& entry : fs::directory_iterator(folder, unreadable)) {
+    const fs::path name = entry.path().filename();
+    const bool is_read = readResults().count(firstNameOf(name)) > 0 || truth.count(name) > 0;
+    if (is_read) registerInput(entry.path());
+  }
 }
 
 std::string readFile(const fs::path& path) {

@@ -23,6 +23,14 @@ namespace headway::program {
 /// Whether a file is a picture numbered by six or more digits: 000123.png.
 [[nodiscard]] bool isNumberedPicture(const std::filesystem::path& file);
 
+/// Whether a file in the folder of a run is one of its results, by its path in the folder. Old
+/// results are removed when new ones replace them; other files are not touched.
+[[nodiscard]] bool isResult(const std::filesystem::path& file);
+
+/// registerInput() for what headway reads, by name, in a folder of results or truth. A folder that
+/// is read may receive other files, pages and pictures.
+void registerInputsIn(const std::filesystem::path& folder);
+
 /// @throws InputError if the file cannot be read
 [[nodiscard]] std::string readFile(const std::filesystem::path& path);
 
