@@ -160,11 +160,25 @@ TEST(MeasurementModelTest, CountsBoxesLargerThanAnythingOfTheirClass) {
   Detection tower = seenCar(40.0, 0.0);
   tower.box3d->height = 1e6;
   EXPECT_THAT(measure({lorry, tower}).dropped, ElementsAre(Pair("too_large", 2u)));
-  lorry.object_class = ObjectClass::kTruck;
-  EXPECT_THAT(measure({lorry}).dropped, ElementsAre());
-  lorry.object_class = ObjectClass::kCar;
   lorry.mask = std::make_shared<const ObjectMask>();
   EXPECT_TRUE(measure({lorry}).dropped.empty()) << "a group that was segmented in images";
+  lorry.box3d->length = 60.1;
+  EXPECT_THAT(measure({lorry}).dropped, ElementsAre(Pair("too_large", 1u))) << "no group";
+}
+
+TEST(MeasurementModelTest, AnObjectIsAsLongAsTheLongestOfItsClass) {
+  for (const auto& [object_class, longest_m] :
+       {std::pair(ObjectClass::kPedestrian, 3.0), std::pair(ObjectClass::kPersonSitting, 3.0),
+        std::pair(ObjectClass::kCyclist, 3.0), std::pair(ObjectClass::kCar, 8.0),
+        std::pair(ObjectClass::kVan, 10.0), std::pair(ObjectClass::kTruck, 30.0),
+        std::pair(ObjectClass::kTram, 60.0)}) {
+    Detection object = seenCar(40.0, 0.0);
+    object.object_class = object_class;
+    object.box3d->length = longest_m;
+    EXPECT_TRUE(measure({object}).dropped.empty()) << longest_m;
+    object.box3d->length += 0.1;
+    EXPECT_THAT(measure({object}).dropped, ElementsAre(Pair("too_large", 1u))) << longest_m;
+  }
 }
 
 TEST(MeasurementModelTest, CountsBoxesBehindTheCamera) {

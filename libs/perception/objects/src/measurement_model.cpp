@@ -81,9 +81,9 @@ const char* MeasurementModel::reasonToDrop(const Detection& detection) const {
   const Box3d& box = *detection.box3d;
   if (!(box.length > 0.0 && box.width > 0.0 && box.height > 0.0)) return "zero_size";
   // What was segmented in the images may be a group that walks together.
-  const bool is_segment = detection.mask != nullptr;
+  const auto limited_as = detection.mask ? ObjectClass::kUnknown : detection.object_class;
   const double longest = std::max({box.length, box.width, box.height});
-  if (!is_segment && longest > maxLength(detection.object_class)) return "too_large";
+  if (longest > maxLength(limited_as)) return "too_large";
   if (!(box.centre.z() > 0.0)) return "behind_camera";
   const bool is_beyond =
       box.centre.norm() > selection_.max_range_m || box.centre.z() > selection_.max_depth_m;
