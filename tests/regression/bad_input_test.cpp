@@ -83,6 +83,22 @@ TEST_F(BadInputTest, AnEmptyResultDoesNotReplaceAGoodOne) {
   const std::string before = test::contentsOf(folder / "out/trajectory.tum");
   EXPECT_THAT(errorLine(replayIt("-w --from-index 1000")), HasSubstr("check --from-index"));
   EXPECT_EQ(before, test::contentsOf(folder / "out/trajectory.tum"));
+  io::RawlogSink dark(rawlog, io::ImageStorage::kEmbedded);
+  const cv::Mat black(test::plainPair(0).left.size(), CV_8U, cv::Scalar(0));
+  for (int frame = 0; frame < test::kPlainFrames; ++frame) {
+    dark.writeStereo(1000.0 + 0.1 * frame, black, black, io::rawFrom(test::plainCamera()));
+  }
+  dark.close();
+  EXPECT_NE(0, replayIt("-w").process.status);
+  EXPECT_EQ(before, test::contentsOf(folder / "out/trajectory.tum"));
+}
+
+TEST_F(BadInputTest, AFullStandardOutputIsAnError) {
+  writeWithCamera(io::rawFrom(test::plainCamera()));
+  const auto run = test::runProcess("(" + test::program("headway-replay") + " -i " + rawlog +
+                                    " -o " + (folder / "out").string() + " >/dev/full)");
+  EXPECT_EQ(1, run.status);
+  EXPECT_THAT(run.output, HasSubstr("standard output: not written completely"));
 }
 
 TEST_F(BadInputTest, TimesThatNeverAdvanceAreAnErrorThatReplacesNothing) {
