@@ -73,6 +73,28 @@ TEST_P(ShiftedImageTest, IsNoticedByTheMap) {
   }
 }
 
+/// Good images at the recorded rate, and at a half and a third of it.
+TEST(GoodImagesTest, AreNotDoubted) {
+  for (const auto& [name, width] :
+       {std::pair("street.rawlog", 336), std::pair("hall.rawlog", 320)}) {
+    const Frames all = recorded(name, 90, width);
+    for (const std::size_t every : {1U, 2U, 3U}) {
+      SCOPED_TRACE(name + std::string(", every ") + std::to_string(every));
+      Frames frames;
+      for (std::size_t i = 0; i < all.size(); i += every) {
+        frames.push_back(all[i]);
+        frames.back().index = frames.size() - 1;
+      }
+      for (const std::string& finding :
+           noticed(frames, {}, frames.size(), frames.size()).findings) {
+        for (const char* doubt : {"one_image", "camera_frozen", "images_", "vertical_offset"}) {
+          EXPECT_EQ(std::string::npos, finding.find(doubt)) << finding;
+        }
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Pairs, ShiftedImageTest, testing::Range<std::size_t>(9, 12),
                          [](const auto& index) { return failingRigs()[index.param].name; });
 INSTANTIATE_TEST_SUITE_P(Pairs, OneEyeTest, testing::Range<std::size_t>(0, 9),
