@@ -7,17 +7,30 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 
 namespace headway::program {
 namespace {
 
-/// The first signal asks for a clean end, the second one ends the program.
+std::atomic<std::int64_t> first_interrupt_ms{0};
+
+/// The first signal asks for a clean end, a later one ends the program. Within 0.3 s it is the same
+/// one: timeout(1) and others send it to a process and then to its group.
 extern "C" void onInterrupt(int signal) {
-  if (stopRequested()) _exit(kSignalled + signal);
-  requestStop(signal);
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t now_ms = std::int64_t{1000} * now.tv_sec + now.tv_nsec / 1000000;
+  if (!stopRequested()) {
+    first_interrupt_ms = now_ms;
+    requestStop(signal);
+  } else if (now_ms - first_interrupt_ms > 300) {
+    _exit(kSignalled + signal);
+  }
 }
 
 double secondsBetween(std::chrono::steady_clock::time_point from,
