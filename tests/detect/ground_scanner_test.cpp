@@ -276,6 +276,7 @@ GroundScan scanFrom(double height, const stereo::DisparityImage& image,
   GroundScanParams params = withReach(6.0);
   params.min_obstacle_height_m = min_obstacle_height_m;
   params.sigma_disparity_px = sigma_disparity_px;
+  (void)params.capabilityOf(camera);
   return scanGround(image, pictureOf(image), camera, ground, {}, params);
 }
 

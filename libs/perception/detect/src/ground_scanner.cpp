@@ -472,7 +472,7 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const cv::Mat& im
   GroundScan scan;
   if (ground.up.y() > kMaxUpY) return scan;
   const cv::Mat left_out = leftOutCells(moving, disparity);
-  const auto rig = params.capabilityOf(camera);
+  const auto rig = stereo::rigCapability(camera, params.configured());
   const GroundScanParams for_rig = params.forRig(rig);
   const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);
   ColumnScanner scanner(disparity, image, camera, plane, rig, for_rig);
