@@ -78,7 +78,8 @@ std::string interfaceOf(const NodeOptions& options) {
   return environment("ROS_LOCALHOST_ONLY") == "1" ? "lo" : "";
 }
 
-/// Settings of Cyclone DDS: bounds and buffers, the interface, then those of CYCLONEDDS_URI.
+/// Settings of Cyclone DDS: bounds and buffers, then the interface or those of CYCLONEDDS_URI,
+/// whose interfaces would be added to that one.
 std::string configurationOf(const std::string& interface) {
   const bool is_local = interface == "lo" || interface == "127.0.0.1";
   const bool is_address = interface.find_first_not_of("0123456789.:") == std::string::npos;
@@ -101,7 +102,7 @@ std::string configurationOf(const std::string& interface) {
                           "B</MaxSampleSize><SocketReceiveBufferSize max=\"" +
                           std::to_string(kReceiveBuffer) + "B\"/></Internal></Domain></CycloneDDS>";
   const std::string users = environment("CYCLONEDDS_URI");
-  return users.empty() ? own : own + "," + users;
+  return users.empty() || !interface.empty() ? own : own + "," + users;
 }
 
 /// Passes on the first messages of Cyclone DDS alone: it has one for each malformed packet.
@@ -117,11 +118,11 @@ void limitLog() {
 }
 
 /// What to do about receive buffers that the system limits; empty: nothing.
-std::string bufferHint() {
+std::string hintOfBuffers() {
   std::ifstream file("/proc/sys/net/core/rmem_max");
   long limit = 0;
   if (!(file >> limit) || limit >= kReceiveBuffer / 2) return "";
-  return "; the system's receive buffers of " + std::to_string(limit / 1024) +
+  return "the system's receive buffers of " + std::to_string(limit / 1024) +
          " KiB lose parts of large raw images: sudo sysctl -w net.core.rmem_max=" +
          std::to_string(kReceiveBuffer);
 }
@@ -133,7 +134,7 @@ using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
 DdsQos makeQos(const Qos& qos) {
   DdsQos result(dds_create_qos());
-  // Without a wait: a message for subscribers that do not keep up is dropped.
+  // Keeping the last ones, writers do not wait for subscribers that do not keep up.
   dds_qset_reliability(result.get(),
                        qos.is_reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(result.get(), DDS_HISTORY_KEEP_LAST, qos.depth);
@@ -207,6 +208,11 @@ bool Publication::publish(std::string message) const {
   return dds_writecdr(writer_, data) == DDS_RETCODE_OK;  // takes it
 }
 
+bool Publication::isTaken(double timeout_s) const {
+  return dds_wait_for_acks(writer_, static_cast<dds_duration_t>(1e9 * timeout_s)) !=
+         DDS_RETCODE_TIMEOUT;
+}
+
 class Node::Implementation {
  public:
   explicit Implementation(const NodeOptions& options) : name_(options.name) {
@@ -224,9 +230,14 @@ class Node::Implementation {
            participant_ < 0 ? participant_ : domain_);
     }
     (void)dds_get_guid(participant_, &guid_);
+    const bool has_settings = !environment("CYCLONEDDS_URI").empty();
     network_ = "ROS 2 domain " + std::to_string(domain) + " on " +
-               (interface.empty() ? "the interface that Cyclone DDS selects" : interface) +
-               bufferHint();
+               (!interface.empty() ? interface
+                : has_settings     ? "the interfaces of CYCLONEDDS_URI"
+                                   : "the interface that Cyclone DDS selects");
+    if (has_settings && !interface.empty()) network_ += " (CYCLONEDDS_URI is not used)";
+    const std::string hint = hintOfBuffers();
+    if (!hint.empty()) network_ += "; " + hint;
     start();
   }
 
@@ -454,9 +465,12 @@ std::size_t Node::mismatches(const std::string& topic) const {
 
 Publication Node::advertise(const std::string& topic, const std::string& type, const Qos& qos) {
   Publication publication;
+  publication.topic_ = topic;
   std::tie(publication.writer_, publication.type_) = implementation_->advertise(topic, type, qos);
   return publication;
 }
+
+std::string Node::bufferHint() const { return hintOfBuffers(); }
 
 void Node::spin(double timeout_s) { implementation_->spin(timeout_s); }
 

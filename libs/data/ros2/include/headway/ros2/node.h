@@ -41,14 +41,19 @@ class Publication {
   Publication() = default;
   /// Whether anybody subscribes; without subscribers nothing should be made to be published.
   [[nodiscard]] bool hasSubscribers() const;
-  /// Sends a message; without waiting for subscribers that do not keep up.
+  /// Sends a message without waiting: a subscriber that does not keep up misses all but the newest
+  /// ones, and nobody else does.
   ///
   /// @param message  as CDR, with its encapsulation
-  /// @return         false if it was dropped because a subscriber does not keep up
+  /// @return         whether it was sent
   bool publish(std::string message) const;
+  /// Waits until all subscribers have what was published before the call; false if one does not.
+  [[nodiscard]] bool isTaken(double timeout_s) const;
+  [[nodiscard]] const std::string& topic() const { return topic_; }
 
  private:
   friend class Node;
+  std::string topic_;
   int writer_ = 0;
   const void* type_ = nullptr;
 };
@@ -57,8 +62,9 @@ class Publication {
 /// types, the quality of service, and the announcement (`ros2 node list`) that ROS 2 has.
 ///
 /// Messages are bytes: they are copied when they arrive, up to 128 MB, and not decoded.
-/// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and CYCLONEDDS_URI are respected. One thread at a time may use
-/// a node, apart from its publications, which any threads may use.
+/// ROS_DOMAIN_ID and ROS_LOCALHOST_ONLY are respected, CYCLONEDDS_URI without a restriction to an
+/// interface, which it could widen. One thread at a time may use a node, apart from its
+/// publications, which any threads may use.
 ///
 ///     Node node({});
 ///     node.subscribe("/scan", "sensor_msgs/LaserScan", {}, [](std::string_view cdr) { ... });
@@ -75,6 +81,9 @@ class Node {
 
   /// Domain and interfaces, in one line.
   [[nodiscard]] const std::string& network() const;
+  /// Why large messages are lost on this computer, with the command that helps; empty: they are
+  /// not.
+  [[nodiscard]] std::string bufferHint() const;
   /// The topics that others publish now.
   [[nodiscard]] std::vector<PublishedTopic> published();
 
