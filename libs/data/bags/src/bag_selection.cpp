@@ -195,8 +195,8 @@ std::string guessedOdometry(const std::vector<std::string>& topics) {
     std::string name = topic;
     std::transform(name.begin(), name.end(), name.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    static const std::array<const char*, 9> others = {"visual", "vio", "truth",  "gps",  "filter",
-                                                      "slam",   "icp", "stereo", "lidar"};
+    static const std::array<const char*, 10> others = {"visual", "vio", "truth",  "gps",   "filter",
+                                                       "slam",   "icp", "stereo", "lidar", "/zed"};
     if (std::none_of(others.begin(), others.end(),
                      [&](const char* other) { return contains(name, other); })) {
       return topic;
