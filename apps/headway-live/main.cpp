@@ -408,6 +408,11 @@ std::vector<drivers::SensorStatus> statesOf(const drivers::SensorGroup* sensors,
   return all;
 }
 
+void sayNetwork(const live::Ros2Connection& ros2, bool quiet) {
+  if (!quiet) std::cout << ros2.network() << std::endl;
+  if (quiet && !ros2.bufferHint().empty()) warn("ROS 2: " + ros2.bufferHint());
+}
+
 /// Runs sensors and pipeline until they are interrupted.
 void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
              const Params& all_params) {
@@ -441,7 +446,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   if (options.ros2.isUsed()) {
     ros2.emplace(options.ros2, sensors != nullptr, options.calibration, options.pair_tolerance_s,
                  live::Ros2Connection::Callbacks{add, warn, states});
-    if (!quiet) std::cout << ros2->network() << std::endl;
+    sayNetwork(*ros2, quiet);
     ros2->start();
   }
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;

@@ -73,7 +73,8 @@ class Ros2Connection::Implementation {
       : callbacks_(std::move(callbacks)),
         node_(params.node),
         source_(node_, has_sensors ? namedOnly(params.source) : params.source,
-                {calibration, pair_tolerance_s, params.sink.odom_frame, params.sink.robot_frame},
+                {calibration, pair_tolerance_s, params.sink.odom_frame, params.sink.robot_frame,
+                 params.sink.map_frame},
                 {callbacks_.observation, callbacks_.message,
                  [this](const Pose& T_map_robot) { setInitialPose(T_map_robot); }}),
         sink_(node_, params.sink,
@@ -170,6 +171,7 @@ Ros2Connection::Ros2Connection(const Ros2Options& options, bool has_sensors,
                                                        pair_tolerance_s, std::move(callbacks))) {}
 
 std::string Ros2Connection::network() const { return implementation_->node().network(); }
+std::string Ros2Connection::bufferHint() const { return implementation_->node().bufferHint(); }
 void Ros2Connection::start() { implementation_->source().start(); }
 void Ros2Connection::stop() { implementation_->stop(); }
 run::Sink& Ros2Connection::sink() { return implementation_->sink(); }
@@ -199,6 +201,7 @@ Ros2Connection::Ros2Connection(const Ros2Options& /*options*/, bool /*has_sensor
   throw InputError("this build has no ROS 2: build it with Cyclone DDS (cyclonedds-dev)");
 }
 std::string Ros2Connection::network() const { return ""; }
+std::string Ros2Connection::bufferHint() const { return ""; }
 void Ros2Connection::start() {}
 void Ros2Connection::stop() {}
 run::Sink& Ros2Connection::sink() { throw std::logic_error("no ROS 2"); }

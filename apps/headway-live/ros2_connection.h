@@ -54,6 +54,8 @@ class Ros2Connection {
 
   /// Domain and network, one line.
   [[nodiscard]] std::string network() const;
+  /// Part of it: why large images are lost; or empty.
+  [[nodiscard]] std::string bufferHint() const;
   void start();  ///< subscribing
   void stop();   ///< likewise; perception is not used any more
   /// Of the session.

@@ -73,7 +73,7 @@ Transform transformOf(Time time, const std::string& parent, const std::string& c
 class Robot::Implementation {
  public:
   Implementation(Robot& robot, FastDdsPeer& peer, std::string rawlog, bool is_compressed,
-                 double shift_s)
+                 double shift_s, bool is_reliable)
       : robot_(robot),
         peer_(peer),
         rawlog_(std::move(rawlog)),
@@ -81,11 +81,12 @@ class Robot::Implementation {
         shift_s_(shift_s) {
     io::registerClasses();
     using namespace sensor_msgs::msg::dds_;
-    const auto open = [&](auto type, const std::string& topic, const PeerQos& qos = {}) {
-      writers_[topic] = peer_.writer<decltype(type)>("rt" + topic, qos);
+    using tf2_msgs::msg::dds_::TFMessage_PubSubType;
+    writers_["/tf"] = peer_.writer<TFMessage_PubSubType>("rt/tf", {true, false, 100});
+    writers_["/tf_static"] = peer_.writer<TFMessage_PubSubType>("rt/tf_static", {true, true, 1});
+    const auto open = [&](auto type, const std::string& topic, int depth = 10) {
+      writers_[topic] = peer_.writer<decltype(type)>("rt" + topic, {is_reliable, false, depth});
     };
-    open(tf2_msgs::msg::dds_::TFMessage_PubSubType(), "/tf", {true, false, 100});
-    open(tf2_msgs::msg::dds_::TFMessage_PubSubType(), "/tf_static", {true, true, 1});
     std::size_t count = 0;
     forEach([&](const CObservation& observation) {
       if (dynamic_cast<const CObservationStereoImages*>(&observation) &&
@@ -106,9 +107,9 @@ class Robot::Implementation {
         open(Image_PubSubType(), "/color/image");
         open(Image_PubSubType(), "/depth/image");
       } else if (dynamic_cast<const CObservationIMU*>(&observation) && !has("/imu")) {
-        open(Imu_PubSubType(), "/imu", {true, false, 100});
+        open(Imu_PubSubType(), "/imu", 100);
       } else if (dynamic_cast<const CObservationOdometry*>(&observation) && !has("/odom")) {
-        open(nav_msgs::msg::dds_::Odometry_PubSubType(), "/odom", {true, false, 100});
+        open(nav_msgs::msg::dds_::Odometry_PubSubType(), "/odom", 100);
       } else if (dynamic_cast<const CObservation2DRangeScan*>(&observation) && !has("/scan")) {
         open(LaserScan_PubSubType(), "/scan");
       } else if (dynamic_cast<const CObservationGPS*>(&observation) && !has("/fix")) {
@@ -335,9 +336,10 @@ class Robot::Implementation {
   tf2_msgs::msg::dds_::TFMessage_ transforms_;  ///< static ones
 };
 
-Robot::Robot(FastDdsPeer& peer, std::string rawlog, bool is_compressed, double shift_s)
+Robot::Robot(FastDdsPeer& peer, std::string rawlog, bool is_compressed, double shift_s,
+             bool is_reliable)
     : implementation_(std::make_unique<Implementation>(*this, peer, std::move(rawlog),
-                                                       is_compressed, shift_s)) {}
+                                                       is_compressed, shift_s, is_reliable)) {}
 
 Robot::~Robot() = default;
 

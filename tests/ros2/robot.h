@@ -32,7 +32,9 @@ class Robot {
  public:
   /// @param is_compressed  sends stereo images as JPEG
   /// @param shift_s        added to all times
-  Robot(FastDdsPeer& peer, std::string rawlog, bool is_compressed = false, double shift_s = 0.0);
+  /// @param is_reliable    false: all but transforms is sent with best effort, as drivers do
+  Robot(FastDdsPeer& peer, std::string rawlog, bool is_compressed = false, double shift_s = 0.0,
+        bool is_reliable = true);
   ~Robot();
 
   /// Whether somebody subscribes to the images.

@@ -117,6 +117,48 @@ class TopicSourceTest : public ::testing::Test {
     return path;
   }
 
+  /// Plays a rawlog as a robot until both sides know each other, and again; each sample arrives.
+  ///
+  /// @param frame  type of the observation of a pair of images
+  void expectEverySample(const std::string& frame, const std::string& path, std::size_t pairs,
+                         bool is_reliable = true) {
+    test::Robot robot(peer_, path, false, 0.0, is_reliable);
+    start();
+    ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
+    const auto received = [&] {
+      std::map<std::string, std::size_t> counts;
+      for (const auto& status : source_->status()) counts[status.topic] = status.messages;
+      return counts;
+    };
+    ASSERT_TRUE(waitUntil([&] {  // until the camera is mounted, too
+      (void)robot.play(1.0, go_on_, {0, 15});
+      return count(frame) > 0 && count("CObservation2DRangeScan") > 0 &&
+             count("CObservationIMU") > 0 && count("CObservationOdometry") > 0;
+    })) << source_->missing();
+    auto before = received();
+    ASSERT_TRUE(waitUntil([&] {  // what is under way
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      const auto now = received();
+      return std::exchange(before, now) == now;
+    }));
+    const auto sent_before = robot.sent();
+    const std::size_t pairs_before = count(frame);
+    std::size_t played = 0;
+    const auto isNewest = [&] { return count(frame) - pairs_before >= played; };
+    robot.on_frame = [&](Time) {  // at the camera's rate, unless the machine is busy
+      ++played;
+      EXPECT_TRUE(::testing::Test::HasFailure() || waitUntil(isNewest)) << played;
+    };
+    ASSERT_EQ(robot.play(1.0, go_on_), pairs);
+    for (const auto& [topic, sent] : robot.sent()) {
+      if (topic == "/tf_static") continue;  // was sent once
+      const std::size_t number = sent - sent_before.at(topic);
+      EXPECT_TRUE(waitUntil([&] { return received()[topic] - before[topic] >= number; })) << topic;
+      EXPECT_EQ(received()[topic] - before[topic], number) << topic;
+    }
+    EXPECT_EQ(count(frame) - pairs_before, pairs);
+  }
+
   int domain_;
   test::TemporaryFolder folder_;
   FastDdsPeer peer_;
@@ -206,41 +248,7 @@ TEST_F(TopicSourceTest, EverySampleOfADepthCameraAndItsSensorsArrives) {
     if (scan.time + 0.005 > timeOf(pairs)) sink.writeDepth(timeOf(pairs++), picture, depth, camera);
   }
   sink.close();
-  test::Robot robot(peer_, path);
-  start();
-  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
-  const auto received = [&] {
-    std::map<std::string, std::size_t> counts;
-    for (const auto& status : source_->status()) counts[status.topic] = status.messages;
-    return counts;
-  };
-  auto before = received();
-  ASSERT_TRUE(waitUntil([&] {  // until both sides know each other, and the camera is mounted
-    (void)robot.play(1.0, go_on_, {0, 15});
-    return count("CObservation3DRangeScan") > 0 && count("CObservation2DRangeScan") > 0 &&
-           count("CObservationIMU") > 0 && count("CObservationOdometry") > 0;
-  })) << source_->missing();
-  ASSERT_TRUE(waitUntil([&] {  // what is under way
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    const auto now = received();
-    return std::exchange(before, now) == now;
-  }));
-  const auto sent_before = robot.sent();
-  const std::size_t pairs_before = count("CObservation3DRangeScan");
-  std::size_t played = 0;
-  const auto isNewest = [&] { return count("CObservation3DRangeScan") - pairs_before >= played; };
-  robot.on_frame = [&](Time) {  // at 30 Hz, unless the machine is busy
-    ++played;
-    EXPECT_TRUE(::testing::Test::HasFailure() || waitUntil(isNewest)) << played;
-  };
-  ASSERT_EQ(robot.play(1.0, go_on_), kPairs);
-  for (const auto& [topic, sent] : robot.sent()) {
-    if (topic == "/tf_static") continue;  // was sent once
-    const std::size_t number = sent - sent_before.at(topic);
-    EXPECT_TRUE(waitUntil([&] { return received()[topic] - before[topic] >= number; }));
-    EXPECT_EQ(received()[topic] - before[topic], number) << topic;
-  }
-  EXPECT_EQ(count("CObservation3DRangeScan") - pairs_before, kPairs);
+  expectEverySample("CObservation3DRangeScan", path, kPairs);
   const auto newest = last<mrpt::obs::CObservation3DRangeScan>();
   EXPECT_NEAR(io::timeFrom(newest->timestamp), timeOf(kPairs - 1), 1e-6);
   ASSERT_EQ(newest->rangeImage.rows(), size.height);
@@ -250,6 +258,73 @@ TEST_F(TopicSourceTest, EverySampleOfADepthCameraAndItsSensorsArrives) {
   EXPECT_NEAR(T_robot_depth.translation().y(), -0.05, 1e-9);  // right of the colour image
   EXPECT_NEAR(T_robot_depth.translation().z(), 1.0, 1e-9);
   EXPECT_NEAR(newest->cameraParamsIntensity.fx(), 500.0, 1e-9);
+}
+
+/// 752x480 at 10 Hz, with the same other sensors.
+TEST_F(TopicSourceTest, EverySampleOfAStereoCameraAndItsSensorsArrives) {
+  const cv::Size size(752, 480);
+  StereoCamera camera = io::test::smallCamera();
+  camera.width = size.width;
+  camera.height = size.height;
+  constexpr std::size_t kPairs = 40;
+  const std::string path = folder_ / "stereo.rawlog";
+  io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
+  const auto images = io::test::wall(0, 8, size);
+  io::RecordedScan scan;
+  scan.aperture_rad = 2.0;
+  scan.max_range_m = 10.0;
+  scan.ranges = {1.0F, 2.0F, 3.0F};
+  for (std::size_t i = 0; i < 20 * kPairs; ++i) {  // at 200 Hz
+    scan.time = 100.0 + 0.005 * static_cast<double>(i);
+    sink.writeImu(scan.time, {0.0, 0.0, 0.1}, {0.0, 0.0, 9.81});
+    if (i % 4 == 0) sink.writeOdometry(scan.time, 0.1, 0.2, 0.3);
+    if (i % 20 == 5) sink.writeLaser(scan);
+    if (i % 20 == 10) sink.writeStereo(scan.time, images.left, images.right, io::rawFrom(camera));
+  }
+  sink.close();
+  expectEverySample("CObservationStereoImages", path, kPairs);
+  const auto newest = last<mrpt::obs::CObservationStereoImages>();
+  ASSERT_NE(newest, nullptr);
+  EXPECT_TRUE(io::test::sameImage(newest->imageRight.asCvMatRef(), images.right));
+}
+
+TEST_F(TopicSourceTest, EverySampleThatIsSentWithBestEffortArrives) {
+  expectEverySample("CObservationStereoImages", rawlog(40), 40, false);
+  EXPECT_GT(count("CObservationGPS"), 0U);
+}
+
+TEST_F(TopicSourceTest, ALaterPublisherMayBeLessReliableAndIsNamed) {
+  test::Robot robot(peer_, rawlog(20));
+  start();
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); }));
+  ASSERT_TRUE(waitUntil([&] {
+    (void)robot.play(2.0, go_on_);
+    return count("CObservationIMU") > 0 && count("CObservationOdometry") > 0;
+  }));
+  FastDdsPeer other(domain_);
+  const auto odometry = other.writer<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/a_odom");
+  const auto fix = other.writer<dds::NavSatFix_PubSubType>("rt/a_fix");
+  const auto imu = other.writer<dds::Imu_PubSubType>("rt/imu", {false});
+  EXPECT_TRUE(waitUntil([&] { return isSaid("/imu is not published as reliably as before"); }));
+  EXPECT_TRUE(isSaid("/imu has 2 publishers"));
+  dds::Imu_ sample;
+  sample.header().frame_id("imu");
+  sample.angular_velocity().x(7.0);
+  EXPECT_TRUE(waitUntil([&] {
+    (void)imu->write(&sample);
+    return last<mrpt::obs::CObservationIMU>()->get(mrpt::obs::IMU_WX) == 7.0;
+  }));
+  const std::size_t before = count("CObservationIMU");
+  EXPECT_TRUE(waitUntil([&] {  // the first one is still read
+    (void)robot.play(2.0, go_on_);
+    return last<mrpt::obs::CObservationIMU>()->get(mrpt::obs::IMU_WX) == 0.0;
+  }));
+  EXPECT_GT(count("CObservationIMU"), before);
+  for (const auto& status : source_->status()) {  // sensors that were chosen are not replaced
+    EXPECT_NE(status.topic, "/a_odom");
+    EXPECT_NE(status.topic, "/a_fix");
+  }
+  EXPECT_FALSE(isSaid("/tf has"));
 }
 
 TEST_F(TopicSourceTest, ARobotThatIsRestartedOrSetBackIsReadAgain) {
@@ -360,6 +435,11 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   const auto imu = other.writer<dds::Imu_PubSubType>("rt/imu");
   const auto image = other.writer<dds::Image_PubSubType>("rt/right/image");
   const auto scan = other.writer<dds::LaserScan_PubSubType>("rt/scan");
+  const auto odometry = other.writer<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/odom");
+  const auto tf = other.writer<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf");
+  const auto initial = other.writer<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(
+      "rt/initialpose");
+  const auto fix = other.writer<dds::NavSatFix_PubSubType>("rt/fix");
   // Each until it is counted: both sides keep the newest messages alone.
   const auto isCounted = [&](const std::string& reason, const auto& write) {
     return waitUntil([&] {
@@ -371,6 +451,26 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   sample.header().frame_id("imu");
   sample.angular_velocity().x(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(isCounted("imu_not_finite", [&] { imu->write(&sample); }));
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  nav_msgs::msg::dds_::Odometry_ pose;
+  pose.pose().pose().orientation().w(kNan);
+  EXPECT_TRUE(isCounted("unreadable_nav_msgs/Odometry", [&] { odometry->write(&pose); }));
+  tf2_msgs::msg::dds_::TFMessage_ transforms;
+  transforms.transforms().resize(1);
+  transforms.transforms()[0].transform().rotation().w(1.0);
+  transforms.transforms()[0].transform().translation().y(kNan);
+  EXPECT_TRUE(isCounted("unreadable_tf2_msgs/TFMessage", [&] { tf->write(&transforms); }));
+  geometry_msgs::msg::dds_::PoseWithCovarianceStamped_ start_pose;
+  start_pose.header().frame_id("map");
+  start_pose.pose().pose().orientation().w(1.0);
+  start_pose.pose().pose().position().x(kNan);
+  EXPECT_TRUE(isCounted("unreadable_geometry_msgs/PoseWithCovarianceStamped",
+                        [&] { initial->write(&start_pose); }));
+  dds::NavSatFix_ position;
+  position.header().frame_id("gnss");
+  position.latitude(kNan);
+  EXPECT_TRUE(isCounted("gnss_no_position", [&] { fix->write(&position); }));
+  EXPECT_TRUE(isSaid("gnss_no_position (/fix)"));
   dds::Image_ picture;
   const auto setSize = [&](std::uint32_t width, std::uint32_t height) {
     picture.width(width);
@@ -438,7 +538,15 @@ TEST_F(TopicSourceTest, TheInitialPoseIsPassedOn) {
   pose.pose().pose().position().x(3.0);
   pose.pose().pose().orientation().z(std::sqrt(0.5));
   pose.pose().pose().orientation().w(std::sqrt(0.5));
-  ASSERT_TRUE(waitUntil([&] {  // until the subscription knows of the publication, too
+  pose.header().frame_id("odom");
+  ASSERT_TRUE(waitUntil([&] {
+    (void)writer->write(&pose);
+    return source_->skipped().count("initial_pose_not_in_frame_map") > 0;
+  }));
+  EXPECT_TRUE(isSaid("initial_pose_not_in_frame_map (in \"odom\")"));
+  EXPECT_FALSE(initial_pose_.has_value());
+  pose.header().frame_id("/map");  // as older programs write it
+  ASSERT_TRUE(waitUntil([&] {      // until the subscription knows of the publication, too
     (void)writer->write(&pose);
     const std::lock_guard lock(mutex_);
     return initial_pose_.has_value();

@@ -197,6 +197,8 @@ class TopicSource::Implementation {
       wishes_.depth = selection.depth.empty() ? kNone : selection.depth;
       fix(selection.imu, wishes_.imu);
       fix(selection.scans, wishes_.scan);
+      fix({selection.odometry}, wishes_.odometry);
+      fix({selection.gnss}, wishes_.gnss);
       selection.tf = selection_.tf;
       selection_ = selection;
       import_.topics = selection;
@@ -264,8 +266,8 @@ class TopicSource::Implementation {
           ", too, which is not used: it is " + topic.type);
       return;
     }
-    const bool is_camera = isImage(topic) || topic.type == kInfoType;
-    if (is_camera && published.publishers > 1) {
+    const bool is_of_many = topic.type == kTransformType || topic.name == kInitialPose;
+    if (!is_of_many && published.publishers > 1) {
       say(published.name + " has " + std::to_string(published.publishers) +
           " publishers, whose messages are mixed");
     }
@@ -347,6 +349,10 @@ class TopicSource::Implementation {
       addTransforms(message);
     } else if (name == kInitialPose) {
       const auto pose = bags::decodePose(message, topic.encoding);
+      if (pose.header.frame != options_.map_frame) {
+        return skip("initial_pose_not_in_frame_" + options_.map_frame,
+                    "in \"" + pose.header.frame + "\"");
+      }
       if (callbacks_.initial_pose) callbacks_.initial_pose(pose.pose);
     } else if (isImage(topic)) {
       const bool is_first = name == selection_.left || name == selection_.color;

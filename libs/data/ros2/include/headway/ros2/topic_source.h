@@ -22,6 +22,7 @@ struct TopicSourceOptions {
   double pair_tolerance_s = 0.01;   ///< between the images of a pair; depth at least 0.02 [s]
   std::string odom_frame = "odom";  ///< of the odometry that others publish, see odometryAt()
   std::string robot_frame = "base_link";
+  std::string map_frame = "map";  ///< of /initialpose
 };
 
 /// State of one topic.
