@@ -2,15 +2,21 @@
 // Poses between frames, transforms beside the robot's own odometry, and what is left out.
 #include <gmock/gmock.h>
 #include <headway/io/mrpt_time.h>
+#include <headway/map/local_layer.h>
 #include <headway/ros2/topic_sink.h>
 #include <headway_test/waiting.h>
+#include <headway_test/walking_track.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <mutex>
+#include <random>
+#include <set>
 #include <thread>
 
 #include "fast_dds_peer.h"
@@ -78,6 +84,13 @@ class TopicSinkTest : public ::testing::Test {
     result.update.camera.T_map_robot = T_map_odom * T_odom_robot;
     sink_->onFrame(result, perception_);
   }
+  void addRate(Time time, double rate) {
+    mrpt::obs::CObservationIMU imu;
+    imu.timestamp = io::mrptTime(time);
+    for (const auto axis : {mrpt::obs::IMU_WX, mrpt::obs::IMU_WY}) imu.set(axis, 0.0);
+    imu.set(mrpt::obs::IMU_WZ, rate);
+    sink_->addObservation(imu);
+  }
   void addWheels(Time time, double x) {
     mrpt::obs::CObservationOdometry wheels;
     wheels.timestamp = io::mrptTime(time);
@@ -116,7 +129,10 @@ TEST_F(TopicSinkTest, WheelsMoveTheOdometryOnBetweenFrames) {
     addWheels(time, 7.0 + 0.02 * i);
     if (i % 5 == 0 && i > 10) addFrame(time - 0.1, planar(0.02 * i - 0.1), planar(1.0));
   }
-  ASSERT_TRUE(waitUntil([&] { return samples().size() >= 45; })) << samples().size();
+  ASSERT_TRUE(waitUntil([&] {
+    const auto received = samples();
+    return received.size() >= 45 && received.back().first > 101.19;
+  })) << samples().size();
   Time last = 0.0;
   for (const auto& [time, x] : samples()) {
     EXPECT_GT(time, last);
@@ -133,17 +149,41 @@ TEST_F(TopicSinkTest, TheGyroscopeDoesAtConstantSpeed) {
   start({});
   addFrame(100.0, planar(0.0), planar(0.0));
   addFrame(100.1, planar(0.05), planar(0.0));
-  for (int i = 1; i <= 10; ++i) {
-    mrpt::obs::CObservationIMU imu;
-    imu.timestamp = io::mrptTime(100.1 + 0.02 * i);
-    for (const auto axis : {mrpt::obs::IMU_WX, mrpt::obs::IMU_WY, mrpt::obs::IMU_WZ}) {
-      imu.set(axis, 0.0);
-    }
-    sink_->addObservation(imu);
-  }
+  for (int i = 1; i <= 10; ++i) addRate(100.1 + 0.02 * i, 0.0);
   ASSERT_TRUE(waitUntil([&] { return samples().size() >= 11; }));
   EXPECT_NEAR(samples().back().first, 100.3, 1e-5);
   EXPECT_NEAR(samples().back().second, 0.15, 1e-6);
+}
+
+/// At times of today, whose stamps are rounded, and with jitter.
+TEST_F(TopicSinkTest, SensorsOf30HzOrMoreGiveOdometryAt30Hz) {
+  start({});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> jitter(-1e-3, 1e-3);
+  Time begin = 1'700'000'000.0;
+  const auto fewestInASecond = [&](double hz, const auto& add) {
+    begin += 100.0;
+    int frames = 0;
+    for (int i = 0; i < 4.2 * hz; ++i) {
+      const Time time = begin + i / hz + jitter(random);
+      for (; begin + 0.1 * frames < time - 0.1; ++frames) {  // at 10 Hz, and as late
+        addFrame(begin + 0.1 * frames, planar(0.1 * frames), planar(0.0));
+      }
+      add(time, time - begin);
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    }
+    EXPECT_TRUE(waitUntil([&] { return samples().back().first > begin + 4.1; })) << hz;
+    std::array<int, 4> counts{};
+    for (const auto& [time, x] : samples()) {
+      const auto second = static_cast<long>(std::floor(time - begin));
+      if (second >= 0 && second < 4) ++counts.at(static_cast<std::size_t>(second));
+    }
+    return *std::min_element(counts.begin() + 1, counts.end());  // the first has no frame at first
+  };
+  for (const double hz : {32.0, 50.1, 58.0, 67.0, 100.0}) {
+    EXPECT_GE(fewestInASecond(hz, [&](Time time, double x) { addWheels(time, x); }), 30) << hz;
+  }
+  EXPECT_GE(fewestInASecond(200.0, [&](Time time, double) { addRate(time, 0.1); }), 30);
 }
 
 TEST_F(TopicSinkTest, TheRobotsOwnOdometryIsCorrected) {
@@ -212,15 +252,98 @@ TEST_F(TopicSinkTest, NothingIsMadeForTopicsWithoutSubscribers) {
   start({}, hooks);
   for (int i = 0; i < 30; ++i) addFrame(100.0 + i, planar(0.0), planar(0.0));
   EXPECT_EQ(asked, 0);
-  std::atomic<int> lines{0};
+  std::multiset<std::string> lines, keys;
   const auto health = peer_.reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
-      "rt/diagnostics", {},
-      [&](const auto& message) { lines = static_cast<int>(message.status().size()); });
+      "rt/diagnostics", {}, [&](const auto& message) {
+        const std::lock_guard lock(mutex_);
+        lines.clear();
+        keys.clear();
+        for (const auto& line : message.status()) {
+          lines.insert(line.name() + ": " + line.message());
+          for (const auto& value : line.values()) keys.insert(value.key());
+        }
+      });
   Time time = 200.0;
   EXPECT_TRUE(waitUntil([&] {
     addFrame(time += 1.0, planar(0.0), planar(0.0));
-    return lines == 3;
+    const std::lock_guard lock(mutex_);
+    return !lines.empty();
   }));
+  const std::lock_guard lock(mutex_);
+  EXPECT_THAT(lines, ::testing::UnorderedElementsAre(
+                         "headway: localisation: tracked", "headway: input: no warnings",
+                         "camera: running", "headway: output: all messages are taken"));
+  EXPECT_THAT(keys, ::testing::IsSupersetOf({"image to results [ms]", "processing [ms]"}));
+}
+
+TEST_F(TopicSinkTest, AClockThatIsSetBackIsNamed) {
+  for (const Time time : {100.0, 100.1, 90.0}) {
+    RecordedFrame frame;
+    frame.time = time;
+    frame.T_map_robot = Pose::Identity();
+    (void)perception_.process(frame);
+  }
+  std::atomic<bool> is_named{false};
+  const auto health = peer_.reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
+      "rt/diagnostics", {}, [&](const auto& message) {
+        for (const auto& line : message.status()) {
+          for (const auto& value : line.values()) {
+            if (line.level() == 1 && value.key() == "clock_set_back") is_named = true;
+          }
+        }
+      });
+  start({});
+  Time time = 100.0;
+  EXPECT_TRUE(waitUntil([&] {
+    addFrame(time += 1.0, planar(0.0), planar(0.0));
+    return is_named.load();
+  }));
+}
+
+TEST_F(TopicSinkTest, PredictedGridsShowWhereSomebodyWillBe) {
+  map::PerceptionMap map;
+  map.update(std::make_shared<const map::LocalLayer>(10.0));
+  map.update(100.0, {test::walkingTrack(7, {2.0, 1.0}, {1.0, 0.0}, 0.1)});
+  pipeline::Perception perception(nullptr, {}, map);
+  using Grid = nav_msgs::msg::dds_::OccupancyGrid_PubSubType;
+  std::optional<nav_msgs::msg::dds_::OccupancyGrid_> grid;
+  const auto reader =
+      peer_.reader<Grid>("rt/headway/predicted_1000ms", {}, [&](const auto& message) {
+        const std::lock_guard lock(mutex_);
+        if (!grid) grid = message;
+      });
+  start({});
+  ASSERT_TRUE(waitUntil([&] { return reader->matched() > 0; }));
+  run::FrameResult result;
+  result.update.time = 100.0;
+  ASSERT_TRUE(waitUntil([&] {
+    result.update.time += 0.2;
+    sink_->onFrame(result, perception);
+    const std::lock_guard lock(mutex_);
+    return grid.has_value();
+  }));
+  const std::lock_guard lock(mutex_);
+  const auto& stamp = grid->header().stamp();
+  const double now_x = 2.0 + stamp.sec() + 1e-9 * stamp.nanosec() - 100.0;
+  const auto& info = grid->info();
+  ASSERT_EQ(grid->data().size(), std::size_t{info.width()} * info.height());
+  const auto place = [&](std::size_t cell) {
+    const auto column = static_cast<double>(cell % info.width());
+    const auto row = static_cast<double>(cell / info.width());
+    return Eigen::Vector2d(info.origin().position().x() + info.resolution() * (column + 0.5),
+                           info.origin().position().y() + info.resolution() * (row + 0.5));
+  };
+  std::size_t peak = 0;
+  for (std::size_t i = 0; i < grid->data().size(); ++i) {
+    if (grid->data()[i] > grid->data()[peak]) peak = i;
+    const Eigen::Vector2d from_start = place(i) - Eigen::Vector2d(now_x, 1.0);
+    if (from_start.x() < 0.2 || std::abs(from_start.y()) > 1.0) {
+      EXPECT_EQ(grid->data()[i], 0) << place(i).transpose();
+    }
+  }
+  EXPECT_GT(grid->data()[peak], 50);
+  EXPECT_NEAR(place(peak).x(), now_x + 1.0, 0.3);
+  EXPECT_NEAR(place(peak).y(), 1.0, 0.3);
 }
 
 }  // namespace

@@ -8,9 +8,11 @@
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <future>
+#include <map>
 #include <mutex>
 
 #include "outgoing_messages.h"
@@ -250,7 +252,18 @@ class TopicSink::Implementation {
     }
     diagnostics_ = {node.advertise("/diagnostics", "diagnostic_msgs/DiagnosticArray", {}),
                     params.diagnostics_hz};
+    for (const Topic* topic : {&odometry_, &map_, &local_, &obstacles_, &dense_, &detections_,
+                               &moving_, &markers_, &diagnostics_}) {
+      publications_.push_back(topic->publication);
+    }
+    for (const Topic& topic : predicted_) publications_.push_back(topic.publication);
+    for (const Publication& other : {transforms_, clock_}) {
+      if (!other.topic().empty()) publications_.push_back(other);
+    }
   }
+  ~Implementation() { is_ending_ = true; }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
 
   void onFrame(const run::FrameResult& result, const pipeline::Perception& perception) {
     publishPose(result.update);
@@ -261,13 +274,14 @@ class TopicSink::Implementation {
   void addObservation(const mrpt::obs::CObservation& observation) {
     const Time time = io::timeFrom(observation.timestamp);
     const std::lock_guard lock(mutex_);
-    if (params_.clock && time > clock_time_) {
+    if (params_.clock && time > clock_time_ && clock_.hasSubscribers()) {
       clock_time_ = time;
-      (void)clock_.publish(clockMessage(time));
+      publish(clock_, clockMessage(time));
     }
     if (!bridge_.add(observation) || params_.odometry_hz <= 0.0) return;
     const auto sample = bridge_.newest();
-    if (sample && sample->time >= odometry_.last + 1.0 / params_.odometry_hz) send(*sample);
+    const bool is_new = sample && sample->time > odometry_.last;
+    if (is_new && !odometry_.isEarly(sample->time)) send(*sample);
   }
 
  private:
@@ -276,14 +290,59 @@ class TopicSink::Implementation {
     double hz = 0.0;
     Time last = 0.0;  ///< of the newest message
 
+    /// Whether the newest message is too new for another; samples that are due come early by some
+    /// jitter.
+    [[nodiscard]] bool isEarly(Time time) const {
+      return time >= last && time - last < 0.9 / std::max(hz, 1e-3);
+    }
     /// Whether a message is to be made now.
     bool isDue(Time time) {
-      const bool is_early = time >= last && time - last < 0.9 / std::max(hz, 1e-3);
-      if (hz <= 0.0 || is_early || !publication.hasSubscribers()) return false;
+      if (hz <= 0.0 || isEarly(time) || !publication.hasSubscribers()) return false;
       last = time;
       return true;
     }
   };
+
+  // Subscribers that stop reading --------------------------------------------------------------
+
+  /// By any thread.
+  void publish(const Publication& publication, std::string message) {
+    (void)publication.publish(std::move(message));
+    const std::lock_guard lock(sent_mutex_);
+    ++sent_[publication.topic()].messages;
+  }
+
+  /// By a thread of its own, because it waits for them.
+  void checkSubscribers() {
+    if (checked_.valid() && !isReady(checked_)) return;
+    checked_ = checks_.run([this] {
+      for (const Publication& publication : publications_) {
+        std::unique_lock lock(sent_mutex_);
+        const Sent before = sent_[publication.topic()];
+        lock.unlock();
+        if (is_ending_) return;
+        const bool is_taken = !publication.hasSubscribers() || publication.isTaken(1.0);
+        lock.lock();
+        Sent& sent = sent_[publication.topic()];
+        if (is_taken) sent.taken = before.messages;
+        sent.is_behind = !is_taken;
+      }
+    });
+  }
+
+  [[nodiscard]] DiagnosticLine outputLine() const {
+    DiagnosticLine line;
+    line.name = "headway: output";
+    line.message = "all messages are taken";
+    const std::lock_guard lock(sent_mutex_);
+    for (const auto& [topic, sent] : sent_) {
+      if (!sent.is_behind) continue;
+      line.level = DiagnosticLine::kWarn;
+      line.message = "a subscriber does not take its messages";
+      line.values.emplace_back(topic, std::to_string(sent.messages - sent.taken) + " not taken");
+    }
+    return line;
+  }
 
   // Poses, by the threads that bring them ------------------------------------------------------
 
@@ -320,7 +379,7 @@ class TopicSink::Implementation {
   void send(const OdometrySample& sample) {
     odometry_.last = sample.time;
     if (odometry_.hz > 0.0 && odometry_.publication.hasSubscribers()) {
-      (void)odometry_.publication.publish(odometryMessage(sample));
+      publish(odometry_.publication, odometryMessage(sample));
     }
     std::vector<bags::TransformMessage> transforms;
     const MessageHeader in_map = headerOf(sample.time, params_.map_frame);
@@ -334,7 +393,7 @@ class TopicSink::Implementation {
           {headerOf(sample.time, sample.frame), params_.robot_frame, sample.T_odom_robot});
     }
     if (!transforms.empty() && transforms_.hasSubscribers()) {
-      (void)transforms_.publish(transformMessage(transforms));
+      publish(transforms_, transformMessage(transforms));
     }
   }
 
@@ -355,6 +414,7 @@ class TopicSink::Implementation {
       Warnings warnings = perception.warnings();
       warnings.insert(result.source.warnings.begin(), result.source.warnings.end());
       health = {localisationLine(result), inputLine(warnings)};
+      checkSubscribers();
     }
     if (due.empty() && health.empty()) return;
     now_done_ = now_.run([this, due, health, map = perception.map(), time,
@@ -362,13 +422,14 @@ class TopicSink::Implementation {
                           T_odom_robot = result.update.camera.T_odom_robot]() mutable {
       for (Topic* topic : due) {
         auto message = messageOf(topic, map, time, tracks, T_odom_robot);
-        if (!message.empty()) (void)topic->publication.publish(std::move(message));
+        if (!message.empty()) publish(topic->publication, std::move(message));
       }
       if (health.empty()) return;
       if (hooks_.sensors) {
         for (auto& line : hooks_.sensors()) health.push_back(std::move(line));
       }
-      (void)diagnostics_.publication.publish(diagnosticMessage(time, health));
+      health.push_back(outputLine());
+      publish(diagnostics_.publication, diagnosticMessage(time, health));
     });
   }
 
@@ -408,8 +469,8 @@ class TopicSink::Implementation {
     if (has_dense) last_dense_ = dense;
     if (!has_grid && !has_dense) return;
     maps_done_ = maps_.run([this, header, grid, dense, has_grid, has_dense] {
-      if (has_grid) (void)map_.publication.publish(gridMessage(header, *grid));
-      if (has_dense) (void)dense_.publication.publish(cloudMessage(header, *dense));
+      if (has_grid) publish(map_.publication, gridMessage(header, *grid));
+      if (has_dense) publish(dense_.publication, cloudMessage(header, *dense));
     });
   }
 
@@ -428,8 +489,19 @@ class TopicSink::Implementation {
   std::vector<Topic> predicted_;  ///< at 0.5 s, 1 s, ...
   std::shared_ptr<const mrpt::maps::COccupancyGridMap2D> last_grid_;
   std::shared_ptr<const mrpt::maps::CColouredPointsMap> last_dense_;
-  std::future<void> now_done_, maps_done_;
-  WorkerThread now_, maps_{WorkerThread::Priority::kBackground};  ///< last: they use the others
+  /// Messages of a topic.
+  struct Sent {
+    std::size_t messages = 0;
+    std::size_t taken = 0;   ///< by all subscribers, at least
+    bool is_behind = false;  ///< a subscriber, by more than a second
+  };
+  std::vector<Publication> publications_;  ///< all
+  mutable std::mutex sent_mutex_;
+  std::map<std::string, Sent> sent_;  ///< by topic, guarded by sent_mutex_
+  std::atomic<bool> is_ending_{false};
+  std::future<void> now_done_, maps_done_, checked_;
+  /// Last: they use the others.
+  WorkerThread now_, maps_{WorkerThread::Priority::kBackground}, checks_;
 };
 
 TopicSink::TopicSink(Node& node, const Ros2SinkParams& params, Hooks hooks)

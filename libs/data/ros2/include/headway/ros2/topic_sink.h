@@ -30,7 +30,8 @@ struct DiagnosticLine {
 ///
 /// Transforms and odometry are sent by the session's thread at once, everything else by two threads
 /// of the sink: what is due while they are still at work is left out, so that the session never
-/// waits. Nothing is made for a topic without subscribers.
+/// waits. Nothing is made for a topic without subscribers; the topics of subscribers that have not
+/// taken a message within a second are named in /diagnostics.
 ///
 ///     TopicSink sink(node, params);
 ///     session.add(sink);
