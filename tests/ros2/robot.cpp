@@ -80,6 +80,7 @@ class Robot::Implementation {
         is_compressed_(is_compressed),
         shift_s_(shift_s) {
     io::registerClasses();
+    mrpt::img::CImage::setImagesPathBase(rawlog_.substr(0, rawlog_.rfind('.')) + "_Images");
     using namespace sensor_msgs::msg::dds_;
     using tf2_msgs::msg::dds_::TFMessage_PubSubType;
     writers_["/tf"] = peer_.writer<TFMessage_PubSubType>("rt/tf", {true, false, 100});
@@ -101,11 +102,16 @@ class Robot::Implementation {
           open(Image_PubSubType(), "/right/image");
         }
       } else if (dynamic_cast<const CObservation3DRangeScan*>(&observation) &&
-                 !has("/color/image")) {
+                 !has("/color/camera_info")) {
         open(CameraInfo_PubSubType(), "/color/camera_info");
         open(CameraInfo_PubSubType(), "/depth/camera_info");
-        open(Image_PubSubType(), "/color/image");
-        open(Image_PubSubType(), "/depth/image");
+        if (is_compressed_) {
+          open(CompressedImage_PubSubType(), "/color/image/compressed");
+          open(CompressedImage_PubSubType(), "/depth/image/compressedDepth");
+        } else {
+          open(Image_PubSubType(), "/color/image");
+          open(Image_PubSubType(), "/depth/image");
+        }
       } else if (dynamic_cast<const CObservationIMU*>(&observation) && !has("/imu")) {
         open(Imu_PubSubType(), "/imu", 100);
       } else if (dynamic_cast<const CObservationOdometry*>(&observation) && !has("/odom")) {
@@ -209,6 +215,16 @@ class Robot::Implementation {
       message.format("jpeg");
       cv::imencode(".jpg", image, message.data());
       return write(topic + "/compressed", message);
+    }
+    if (is_compressed_) {
+      sensor_msgs::msg::dds_::CompressedImage_ message;
+      setHeader(time, camera.substr(1), message.header());
+      message.format("16UC1; compressedDepth png");
+      std::vector<std::uint8_t> png;
+      cv::imencode(".png", image, png);
+      message.data().assign(12, 0);  // which inverse depth needs
+      message.data().insert(message.data().end(), png.begin(), png.end());
+      return write(topic + "/compressedDepth", message);
     }
     sensor_msgs::msg::dds_::Image_ message;
     setHeader(time, camera.substr(1), message.header());

@@ -30,7 +30,7 @@ struct Part {
 /// wheels.
 class Robot {
  public:
-  /// @param is_compressed  sends stereo images as JPEG
+  /// @param is_compressed  sends images as JPEG, depth as PNG
   /// @param shift_s        added to all times
   /// @param is_reliable    false: all but transforms is sent with best effort, as drivers do
   Robot(FastDdsPeer& peer, std::string rawlog, bool is_compressed = false, double shift_s = 0.0,

@@ -117,12 +117,42 @@ class TopicSourceTest : public ::testing::Test {
     return path;
   }
 
-  /// Plays a rawlog as a robot until both sides know each other, and again; each sample arrives.
+  /// A rawlog of a depth camera at 30 Hz with an inertial sensor, wheels and a laser.
+  std::string depthRawlog(const cv::Mat& depth, std::size_t pairs) {
+    const auto timeOf = [](std::size_t i) { return 100.0 + static_cast<double>(i) / 30.0; };
+    io::RawDepthCamera camera;
+    for (io::RawCamera* lens : {&camera.color, &camera.depth}) {
+      lens->width = depth.cols;
+      lens->height = depth.rows;
+      lens->fx = lens->fy = 500.0;
+      lens->cx = 0.5 * depth.cols - 0.5;
+      lens->cy = 0.5 * depth.rows - 0.5;
+    }
+    camera.T_robot_color.translation() << 0.2, 0.0, 1.0;
+    camera.T_color_depth.translation().x() = 0.05;
+    const std::string path = folder_ / "depth.rawlog";
+    io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
+    const cv::Mat picture = io::test::wall(0, 8, depth.size()).left;
+    io::RecordedScan scan;
+    scan.aperture_rad = 2.0;
+    scan.max_range_m = 10.0;
+    scan.ranges = {1.0F, 2.0F, 3.0F};
+    std::size_t pair = 0;
+    for (std::size_t i = 0; pair < pairs; ++i) {  // at 200 Hz
+      scan.time = 100.0 + 0.005 * static_cast<double>(i);
+      sink.writeImu(scan.time, {0.0, 0.0, 0.1}, {0.0, 0.0, 9.81});
+      if (i % 4 == 0) sink.writeOdometry(scan.time, 0.1, 0.2, 0.3);
+      if (i % 20 == 0) sink.writeLaser(scan);
+      if (scan.time + 0.005 > timeOf(pair)) sink.writeDepth(timeOf(pair++), picture, depth, camera);
+    }
+    sink.close();
+    return path;
+  }
+
+  /// Plays a robot's rawlog until both sides know each other, and again; each sample arrives.
   ///
   /// @param frame  type of the observation of a pair of images
-  void expectEverySample(const std::string& frame, const std::string& path, std::size_t pairs,
-                         bool is_reliable = true) {
-    test::Robot robot(peer_, path, false, 0.0, is_reliable);
+  void expectEverySample(const std::string& frame, test::Robot& robot, std::size_t pairs) {
     start();
     ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << source_->missing();
     const auto received = [&] {
@@ -215,49 +245,33 @@ TEST_F(TopicSourceTest, ARobotsSensorsBecomeObservations) {
   EXPECT_NE(live_.camera(), nullptr);
 }
 
-/// 640x480 at 30 Hz, with inertial samples at 200 Hz, wheels at 50 Hz and scans at 10 Hz.
+/// With inertial samples at 200 Hz, wheels at 50 Hz and scans at 10 Hz.
 TEST_F(TopicSourceTest, EverySampleOfADepthCameraAndItsSensorsArrives) {
-  const cv::Size size(640, 480);
-  constexpr std::size_t kPairs = 90;
-  const auto timeOf = [](std::size_t i) { return 100.0 + static_cast<double>(i) / 30.0; };
-  io::RawDepthCamera camera;
-  for (io::RawCamera* lens : {&camera.color, &camera.depth}) {
-    lens->width = size.width;
-    lens->height = size.height;
-    lens->fx = lens->fy = 500.0;
-    lens->cx = 319.5;
-    lens->cy = 239.5;
-  }
-  camera.T_robot_color.translation() << 0.2, 0.0, 1.0;
-  camera.T_color_depth.translation().x() = 0.05;
-  cv::Mat depth(size, CV_16UC1);
+  cv::Mat depth(480, 640, CV_16UC1);
   cv::randu(depth, 500, 9000);
-  const std::string path = folder_ / "depth.rawlog";
-  io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
-  const cv::Mat picture = io::test::wall(0, 8, size).left;
-  io::RecordedScan scan;
-  scan.aperture_rad = 2.0;
-  scan.max_range_m = 10.0;
-  scan.ranges = {1.0F, 2.0F, 3.0F};
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; pairs < kPairs; ++i) {  // at 200 Hz
-    scan.time = 100.0 + 0.005 * static_cast<double>(i);
-    sink.writeImu(scan.time, {0.0, 0.0, 0.1}, {0.0, 0.0, 9.81});
-    if (i % 4 == 0) sink.writeOdometry(scan.time, 0.1, 0.2, 0.3);
-    if (i % 20 == 0) sink.writeLaser(scan);
-    if (scan.time + 0.005 > timeOf(pairs)) sink.writeDepth(timeOf(pairs++), picture, depth, camera);
-  }
-  sink.close();
-  expectEverySample("CObservation3DRangeScan", path, kPairs);
+  test::Robot robot(peer_, depthRawlog(depth, 90));
+  expectEverySample("CObservation3DRangeScan", robot, 90);
   const auto newest = last<mrpt::obs::CObservation3DRangeScan>();
-  EXPECT_NEAR(io::timeFrom(newest->timestamp), timeOf(kPairs - 1), 1e-6);
-  ASSERT_EQ(newest->rangeImage.rows(), size.height);
+  EXPECT_NEAR(io::timeFrom(newest->timestamp), 100.0 + 89.0 / 30.0, 1e-6);
+  ASSERT_EQ(newest->rangeImage.rows(), depth.rows);
   EXPECT_EQ(newest->rangeUnits * newest->rangeImage(100, 200),
             1e-3F * depth.at<std::uint16_t>(100, 200));
   const Pose T_robot_depth = fromMrpt(newest->sensorPose);
   EXPECT_NEAR(T_robot_depth.translation().y(), -0.05, 1e-9);  // right of the colour image
   EXPECT_NEAR(T_robot_depth.translation().z(), 1.0, 1e-9);
   EXPECT_NEAR(newest->cameraParamsIntensity.fx(), 500.0, 1e-9);
+}
+
+TEST_F(TopicSourceTest, EveryCompressedSampleOfADepthCameraArrives) {
+  cv::Mat depth(120, 160, CV_16UC1);
+  cv::randu(depth, 500, 9000);
+  test::Robot robot(peer_, depthRawlog(depth, 30), true);
+  expectEverySample("CObservation3DRangeScan", robot, 30);
+  EXPECT_GT(robot.sent().at("/depth/image/compressedDepth"), 30U);
+  const auto newest = last<mrpt::obs::CObservation3DRangeScan>();
+  ASSERT_EQ(newest->rangeImage.rows(), depth.rows);
+  EXPECT_EQ(newest->rangeUnits * newest->rangeImage(20, 30),
+            1e-3F * depth.at<std::uint16_t>(20, 30));
 }
 
 /// 752x480 at 10 Hz, with the same other sensors.
@@ -282,14 +296,16 @@ TEST_F(TopicSourceTest, EverySampleOfAStereoCameraAndItsSensorsArrives) {
     if (i % 20 == 10) sink.writeStereo(scan.time, images.left, images.right, io::rawFrom(camera));
   }
   sink.close();
-  expectEverySample("CObservationStereoImages", path, kPairs);
+  test::Robot robot(peer_, path);
+  expectEverySample("CObservationStereoImages", robot, kPairs);
   const auto newest = last<mrpt::obs::CObservationStereoImages>();
   ASSERT_NE(newest, nullptr);
   EXPECT_TRUE(io::test::sameImage(newest->imageRight.asCvMatRef(), images.right));
 }
 
 TEST_F(TopicSourceTest, EverySampleThatIsSentWithBestEffortArrives) {
-  expectEverySample("CObservationStereoImages", rawlog(40), 40, false);
+  test::Robot robot(peer_, rawlog(40), false, 0.0, false);
+  expectEverySample("CObservationStereoImages", robot, 40);
   EXPECT_GT(count("CObservationGPS"), 0U);
 }
 
