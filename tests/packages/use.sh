@@ -37,8 +37,13 @@ echo "== installed worlds and configuration are found by the names that the docu
 headway-sim -q -c config/worlds/street.ini --frames 3 -o made.rawlog
 headway-replay -q -c config/presets/small_computer.ini -i made.rawlog -o made
 
+echo "== ROS 2"
+headway-live --ros2 config/ros2.ini --ros2-list --ros2-interface lo > topics.txt || fail "--ros2-list"
+grep -q '^no topics on ROS 2 domain 0 on lo' topics.txt || { cat topics.txt; fail "--ros2-list does not say where it is"; }
+[ -s $share/config/ros2.ini ] || fail "$share/config/ros2.ini is missing"
+
 echo "== documents"
-for document in README.md CHANGELOG.md doc/licences.md copyright changelog.gz; do
+for document in README.md CHANGELOG.md doc/licences.md doc/ros2.md copyright changelog.gz; do
   [ -s /usr/share/doc/headway/$document ] || fail "/usr/share/doc/headway/$document is missing"
 done
 for package in headway libheadway0 libheadway-dev python3-headway; do
