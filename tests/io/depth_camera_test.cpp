@@ -213,6 +213,26 @@ TEST_F(DepthCameraTest, UnitsAndHolesAreKept) {
   EXPECT_EQ(0, cv::countNonZero(frame.stereo->disparity(cv::Rect(20, 30, 10, 12))));
 }
 
+TEST_F(DepthCameraTest, WhatIsDeeperThanTheCameraMeasuresIsNoMeasurement) {
+  for (const bool is_registered : {true, false}) {
+    for (const double offset_m : {0.0, 0.05}) {
+      RawDepthCamera camera = registeredCamera();
+      if (!is_registered) camera.depth.fx = camera.depth.fy = 98.0;
+      camera.T_color_depth.translation().x() = offset_m;
+      camera.max_range_m = 4.0;
+      cv::Mat depth(120, 160, CV_16U, cv::Scalar(4000));
+      depth.colRange(80, 160).setTo(4100);
+      const auto frame = recorded(camera, depth);
+      const cv::Mat& seen = frame.stereo->disparity;
+      EXPECT_EQ(0, cv::countNonZero(seen.colRange(90, 160))) << is_registered << offset_m;
+      EXPECT_GT(cv::countNonZero(seen.colRange(10, 70)), 60 * 110) << is_registered << offset_m;
+      camera.max_range_m = 0.0;  // unknown: nothing is left out
+      EXPECT_GT(cv::countNonZero(recorded(camera, depth).stereo->disparity.colRange(90, 150)),
+                60 * 110);
+    }
+  }
+}
+
 TEST_F(DepthCameraTest, TheNearerSurfaceHidesTheFartherAndNothingSpansBetween) {
   RawDepthCamera camera = registeredCamera();
   camera.T_color_depth.translation().x() = -0.1;  // the depth camera is on the left

@@ -76,7 +76,8 @@ FrameDetections detectAll(DetectionStage& stage, const RecordedFrame& frame) {
 }
 
 TEST(DetectionStageTest, NamesAreChecked) {
-  for (const char* names : {"none", "auto", "recorded", "hog", "shape", "recorded+hog+stereo_motion+shape"}) {
+  for (const char* names :
+       {"none", "auto", "recorded", "hog", "shape", "recorded+hog+stereo_motion+shape"}) {
     EXPECT_NO_THROW(checkDetectorNames(names)) << names;
   }
   for (const char* names : {"", "radar", "dnn+", "none+hog", "hog+hog"}) {
@@ -243,9 +244,16 @@ TEST(PerceptionTest, RangesBindWhicheverDetector) {
       far.object_class = ObjectClass::kCar;
       far.box3d = Box3d{{0.0, 1.0, 15.0}, 4.0, 1.8, 1.5, 0.0};
       frame.detections = recorded(street, i, {far});
+      Detection near = far;
+      near.box3d->centre.z() = 13.0;
+      frame.detections->items.push_back(near);
       const auto update = perception.process(frame);
-      EXPECT_TRUE(update.objects.tracks.empty());
-      EXPECT_EQ(1u, update.objects.detections_dropped.at("too_far")) << i;
+      ASSERT_TRUE(update.detections);
+      ASSERT_EQ(1u, update.detections->items.size());
+      EXPECT_EQ(13.0, update.detections->items[0].box3d->centre.z());
+      ASSERT_EQ(1u, update.objects.tracks.size());
+      EXPECT_LT(update.objects.tracks[0].position.head<2>().norm(), 14.0 + 3.0 * i);
+      EXPECT_EQ((DropCounts{{"too_far", 1}}), update.objects.detections_dropped) << i;
     }
   }
 }

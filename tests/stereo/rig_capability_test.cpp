@@ -140,6 +140,24 @@ TEST(RigCapabilityTest, ConfiguredValuesReplaceDerivedOnes) {
   EXPECT_EQ(rig.grid_spacing_m, 0.5);
 }
 
+TEST(RigCapabilityTest, NothingReachesBeyondWhatADepthCameraMeasures) {
+  StereoCamera camera = kRobot;
+  camera.depth_reach_m = 4.0;
+  RigAssumptions configured;
+  configured.obstacles_to_m = configured.vehicles_to_m = configured.segments_to_m =
+      configured.dense_to_m = 9.0;
+  for (const auto& rig : {rigCapability(camera), rigCapability(camera, configured)}) {
+    EXPECT_LE(rig.ground_to_m, 4.0);
+    EXPECT_LE(rig.obstacles_to_m, 4.0);
+    EXPECT_LE(rig.high_obstacles_to_m, 4.0);
+    EXPECT_LE(rig.people_to_m, 4.0);
+    EXPECT_LE(rig.vehicles_to_m, 4.0);
+    EXPECT_LE(rig.segments_to_m, 4.0);
+    EXPECT_LE(rig.dense_to_m, 4.0);
+  }
+  EXPECT_EQ(4.0, rigCapability(camera, configured).obstacles_to_m);
+}
+
 /// The table of doc/rigs.md.
 std::string table() {
   std::string text =

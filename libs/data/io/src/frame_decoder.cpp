@@ -302,8 +302,9 @@ void FrameDecoder::calibrateDepth(const RecordedPair& pair, const DecodedPair& i
   StereoCamera camera = rectifier_->camera();
   camera.baseline_m = equivalentBaseline(camera.fx);
   const bool is_known = recorded.max_range_m > kMinDepthReachM && recorded.max_range_m < 1e3;
-  camera.depth_reach_m = is_known ? recorded.max_range_m : kUnknownDepthReachM;
+  camera.depth_reach_m = is_known ? recorded.max_range_m : 0.0;
   registration_.emplace(recorded, camera);
+  if (!is_known) camera.depth_reach_m = kUnknownDepthReachM;  // of objects; all depths localise
   camera_ = std::make_shared<const StereoCamera>(camera);
   const cv::Mat disparity = registration_->disparities(images.ranges);
   report_.emplace();

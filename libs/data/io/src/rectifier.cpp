@@ -408,10 +408,17 @@ void DepthRegistration::coverOnce() {
   }
 }
 
+/// Depth beyond which nothing is measured, in which rounding to units is left room [m].
+float DepthRegistration::farthest() const {
+  if (!target_.isDepthCamera()) return std::numeric_limits<float>::infinity();
+  return static_cast<float>(target_.depth_reach_m + recorded_.metres_per_unit);
+}
+
 cv::Mat DepthRegistration::disparitiesByCovers(const cv::Mat& ranges) const {
   cv::Mat measured(size(), CV_32F);
   const auto max_disparity =
       static_cast<float>(target_.fx * target_.baseline_m / static_cast<double>(kNearestM));
+  const float min_disparity = static_cast<float>(target_.fx * target_.baseline_m) / farthest();
   for (int v = 0; v < measured.rows; ++v) {
     const auto* range = ranges.ptr<std::uint16_t>(v);
     const auto* unit = unit_disparities_.ptr<float>(v);
@@ -419,7 +426,8 @@ cv::Mat DepthRegistration::disparitiesByCovers(const cv::Mat& ranges) const {
     for (int u = 0; u < measured.cols; ++u) {
       const float value = unit[u] / static_cast<float>(std::max<int>(range[u], 1));
       const bool is_hole = range[u] == 0 || range[u] == std::numeric_limits<std::uint16_t>::max();
-      disparity[u] = is_hole || !(value < max_disparity) ? 0.0F : value;
+      const bool is_measured = value < max_disparity && value >= min_disparity;
+      disparity[u] = is_hole || !is_measured ? 0.0F : value;
     }
   }
   cv::Mat result(target_.height, target_.width, CV_32F, cv::Scalar(0));
@@ -460,6 +468,7 @@ cv::Mat DepthRegistration::projected(const cv::Mat& ranges) const {
   const auto fx = static_cast<float>(target_.fx), fy = static_cast<float>(target_.fy);
   const auto cx = static_cast<float>(target_.cx), cy = static_cast<float>(target_.cy);
   const auto focal_baseline = static_cast<float>(target_.fx * target_.baseline_m);
+  const float reach = farthest();
   for (int v = 0; v < ranges.rows; ++v) {
     const auto* range = ranges.ptr<std::uint16_t>(v);
     const auto* ray = rays_.ptr<cv::Vec2f>(v);
@@ -470,7 +479,7 @@ cv::Mat DepthRegistration::projected(const cv::Mat& ranges) const {
       float depth = unit * static_cast<float>(range[u]);
       if (!recorded_.ranges_are_depths) depth /= direction.norm();
       const Eigen::Vector3f seen = R * (depth * direction) + t;
-      if (!(seen.z() > kNearestM)) continue;
+      if (!(seen.z() > kNearestM) || seen.z() > reach) continue;
       point[u] = {fx * seen.x() / seen.z() + cx, fy * seen.y() / seen.z() + cy,
                   focal_baseline / seen.z()};
     }

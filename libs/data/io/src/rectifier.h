@@ -68,7 +68,8 @@ void validate(const RawDepthCamera& camera);
 class DepthRegistration {
  public:
   /// @param recorded  validated
-  /// @param target    rectified intensity camera, with the recorded one's axes
+  /// @param target    rectified intensity camera, with the recorded one's axes; what is deeper than
+  ///                  its depth_reach_m is not measured, unless that is 0
   DepthRegistration(const RawDepthCamera& recorded, const StereoCamera& target);
 
   /// @param ranges  16-bit, of the depth camera's size; 0 and 65535 are holes
@@ -85,6 +86,7 @@ class DepthRegistration {
     float of_b, of_c;            ///< weights of the second and third
   };
 
+  [[nodiscard]] float farthest() const;
   [[nodiscard]] cv::Mat projected(const cv::Mat& ranges) const;
   void coverOnce();
   [[nodiscard]] cv::Mat disparitiesByCovers(const cv::Mat& ranges) const;

@@ -104,7 +104,8 @@ class PeopleByShape::Implementation {
 
   std::vector<Found> find(const stereo::DisparityImage& disparity, const StereoCamera& camera,
                           const stereo::GroundPlane& ground) {
-    const double range_m = params_.max_range_m > 0.0 ? params_.max_range_m : rangeOf(camera);
+    double range_m = params_.max_range_m > 0.0 ? params_.max_range_m : rangeOf(camera);
+    if (camera.isDepthCamera()) range_m = std::min(range_m, camera.depth_reach_m);
     const auto places = standingPlaces(disparity, camera, ground, range_m);
     if (places.empty()) return {};
     std::vector<cv::Mat> patches;

@@ -58,13 +58,13 @@ void setPoses(bool is_input_trusted, FrameState& state) {
 }
 
 /// Removes boxes that are too far, and counts them.
-void shedFar(double max_range_m, Detections& detections, DropCounts& dropped) {
-  if (std::isinf(max_range_m)) return;
+template <typename IsFar>
+void dropFar(const char* reason, const IsFar& is_far, Detections& detections, DropCounts& dropped) {
   auto& items = detections.items;
   const auto far = std::remove_if(items.begin(), items.end(), [&](const Detection& item) {
-    return item.box3d && item.box3d->centre.norm() > max_range_m;
+    return item.box3d && is_far(item.box3d->centre);
   });
-  if (far != items.end()) dropped["load_shed"] = static_cast<std::size_t>(items.end() - far);
+  if (far != items.end()) dropped[reason] += static_cast<std::size_t>(items.end() - far);
   items.erase(far, items.end());
 }
 
@@ -364,6 +364,12 @@ class Perception::Implementation {
     const PreviousFrame& previous = state.previous;
     auto found = detection.detectMotion(state.frame, state.T_odom_robot, state.boxes,
                                         previous.expected, previous.motion);
+    if (found.fused) {
+      const auto is_far = [this](const Eigen::Vector3d& centre) {
+        return centre.norm() > reach_.max_range_m || centre.z() > reach_.max_depth_m;
+      };
+      dropFar("too_far", is_far, *found.fused, found.dropped);
+    }
     if (found.images_used) times.add("detect", found.elapsed_ms);
     return found;
   }
@@ -375,7 +381,8 @@ class Perception::Implementation {
     if (state.found.fused && state.T_odom_robot) {
       Detections near = *state.found.fused;
       DropCounts far;
-      shedFar(max_box_range_m_, near, far);
+      const auto is_far = [this](const auto& centre) { return centre.norm() > max_box_range_m_; };
+      dropFar("load_shed", is_far, near, far);
       tracked = tracker.update(frame.index, {frame.time, *state.T_odom_robot}, near);
       tracked.detections_dropped.merge(far);
     } else {
@@ -441,6 +448,7 @@ class Perception::Implementation {
   std::vector<TrackSample> ended_;       ///< of tracks that ended between two frames
   std::optional<Pose> T_robot_assumed_;  ///< the robot frame of the input; nullopt: the same
   FrameRate rate_;
+  objects::ConsistencyParams reach_;  ///< of boxes and tracks, whichever detector found them
   double max_box_range_m_ = RuntimeParams().max_box_range_m;
 };
 
@@ -468,7 +476,8 @@ Perception::Implementation::Implementation(std::shared_ptr<const StereoCamera> r
       localisation(camera, params),
       detection(camera, params.detection),
       tracker(withinReach(params, camera.get())),
-      mapping(camera, params, std::move(map)) {}
+      mapping(camera, params, std::move(map)),
+      reach_(withinReach(params, camera.get()).consistency) {}
 
 Perception::Perception(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                        map::PerceptionMap map)

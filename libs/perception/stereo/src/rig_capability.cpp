@@ -128,23 +128,24 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   const double hidden = std::min(1.0, rig.min_obstacle_height_m / rig.camera_height_m);
   rig.obstacles_from_m = std::max(
       rig.nearest_m, rounded(ground_in_view ? ground.distance_m * (1.0 - hidden) : by_disparity));
-  const auto reach = [&](double derived) {
-    return is_depth ? std::min(rounded(derived), camera.depth_reach_m) : rounded(derived);
+  // Nothing is seen beyond what a depth camera measures, whatever is configured.
+  const auto measured = [&](double reach_m) {
+    return is_depth ? std::min(reach_m, camera.depth_reach_m) : reach_m;
+  };
+  const auto reach = [&](double derived, double configured = 0.0) {
+    return measured(valueOr(configured, rounded(derived)));
   };
   rig.ground_to_m = reach(depthOfSigma(rig, kNeeds.max_ground_sigma_m));
-  rig.obstacles_to_m = valueOr(assumptions.obstacles_to_m, reach(obstacleReach(rig, camera.fy)));
+  rig.obstacles_to_m = reach(obstacleReach(rig, camera.fy), assumptions.obstacles_to_m);
   rig.high_obstacles_to_m = reach(depthOfSigma(rig, kNeeds.max_depth_sigma_m));
   rig.people_to_m = reach(motionReach(rig, kNeeds.walking_speed_mps, assumptions.rate_hz));
-  rig.vehicles_to_m =
-      valueOr(assumptions.vehicles_to_m,
-              reach(motionReach(rig, kNeeds.vehicle_speed_mps, assumptions.rate_hz)));
-  const double segments_to_m = kNeeds.segments_ratio * rig.people_to_m;
+  rig.vehicles_to_m = reach(motionReach(rig, kNeeds.vehicle_speed_mps, assumptions.rate_hz),
+                            assumptions.vehicles_to_m);
   rig.segments_to_m =
-      valueOr(assumptions.segments_to_m,
-              is_depth ? std::min(segments_to_m, camera.depth_reach_m) : segments_to_m);
+      measured(valueOr(assumptions.segments_to_m, kNeeds.segments_ratio * rig.people_to_m));
   rig.grid_spacing_m =
       valueOr(assumptions.grid_spacing_m, std::clamp(rig.obstacles_to_m / 20.0, 0.2, 1.0));
-  rig.dense_to_m = valueOr(assumptions.dense_to_m, rig.high_obstacles_to_m);
+  rig.dense_to_m = measured(valueOr(assumptions.dense_to_m, rig.high_obstacles_to_m));
   const double voxels = std::round(rig.dense_to_m / kMatching.voxel_ratio / kMatching.voxel_step_m);
   rig.dense_voxel_m =
       valueOr(assumptions.dense_voxel_m, std::clamp(kMatching.voxel_step_m * voxels, 0.05, 0.1));
