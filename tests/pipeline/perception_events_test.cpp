@@ -15,6 +15,7 @@ using test::PaintedBox;
 using test::PaintedStreet;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::vector<PaintedBox> kBoxes = {{{3.5, 1.6, 16.0}, 1.8, 1.5, {0.0, 0.0, 0.0}, 12},
                                         {{-2.0, 1.6, 17.0}, 1.8, 1.5, {2.5, 0.0, 4.0}, 11}};
@@ -68,6 +69,34 @@ TEST_F(PerceptionEventsTest, ALossInTheDarkIsExplainedAndItsEndIsLogged) {
               Contains(HasSubstr("frame 9: localised again after 3 lost frames, ")));
   EXPECT_THAT(messages_[LogLevel::kInfo].back(), HasSubstr(" m from keyframe "));
   EXPECT_EQ(3u, perception_->warnings().at("lost_too_dark").count);
+}
+
+TEST_F(PerceptionEventsTest, AMapThatGoesOnWhereOdometryLedIsNotCalledLocalised) {
+  params_.slam.restart_after_s = 0.4;
+  perception_ = std::make_unique<Perception>(street_.camera(), params_);
+  std::vector<std::string> said;
+  perception_->setLog([&](LogLevel, const std::string& text) { said.push_back(text); });
+  for (int i = 0; i < 38; ++i) {
+    RecordedFrame frame;
+    frame.index = static_cast<std::size_t>(i);
+    frame.time = street_.timeOf(i);
+    frame.stereo = street_.frame(i);
+    for (cv::Mat* image : {&frame.stereo->left, &frame.stereo->right}) {
+      const bool is_covered = i < 3 || (i >= 25 && i < 28);
+      if (is_covered) image->setTo(4);
+      if (i >= 28) cv::flip(*image, *image, 0);  // which nobody has seen before
+    }
+    if (i > 0) {
+      const Pose before = street_.T_map_robot(i - 1);
+      frame.stereo->motion_prior.T_previous_current = before.inverse() * street_.T_map_robot(i);
+    }
+    (void)perception_->process(frame);
+  }
+  EXPECT_THAT(
+      said,
+      Contains(HasSubstr("frame 3: the map begins after 3 frames that could not be localised")));
+  EXPECT_THAT(said, Contains(HasSubstr("the map goes on where odometry led in ")));
+  EXPECT_THAT(said, Not(Contains(HasSubstr("localised again"))));
 }
 
 TEST_F(PerceptionEventsTest, ACoveredLensIsRecognised) {

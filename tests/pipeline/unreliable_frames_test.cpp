@@ -33,8 +33,10 @@ class UnreliableFramesTest : public testing::Test {
   RecordedFrame next() {
     RecordedFrame frame;
     frame.index = static_cast<std::size_t>(frames_++);
-    frame.time = 0.1 * static_cast<double>(frame.index);
-    frame.stereo = hall_.frame(frame.index, frame.time, onPath(static_cast<double>(frame.index)));
+    frame.time = time_;
+    frame.stereo = hall_.frame(frame.index, frame.time, onPath(step_));
+    time_ += 0.1 * pace_;
+    step_ += pace_;
     Detection pedestrian;
     pedestrian.object_class = ObjectClass::kPedestrian;
     pedestrian.score = 0.9;
@@ -58,8 +60,12 @@ class UnreliableFramesTest : public testing::Test {
   test::TexturedWorld hall_;
   std::unique_ptr<Perception> perception_;
 
+  double pace_ = 1.0;  ///< of the frames that follow, in steps and tenths of seconds
+
  private:
   int frames_ = 0;
+  double time_ = 0.0;
+  double step_ = 0.0;
 };
 
 TEST_F(UnreliableFramesTest, AFrozenCameraAddsNothingToTheMap) {
@@ -96,6 +102,25 @@ TEST_F(UnreliableFramesTest, AFrozenLeftImageIsUnreliableUntilASecondAfter) {
   EXPECT_EQ(perception_->warnings().at("one_image").count, 8U);
   for (int i = 0; i < 5; ++i) (void)perception_->process(next());
   drive(3);
+}
+
+TEST_F(UnreliableFramesTest, AFrozenEyeIsNotHeldForASlowCamera) {
+  for (const bool is_left : {true, false}) {
+    pace_ = 1.0;
+    drive(12);
+    pace_ = 0.03;  // 1.5 mm a frame
+    drive(30);
+    const RecordedFrame seen = next();
+    (void)perception_->process(seen);
+    for (int i = 0; i < 20; ++i) {
+      RecordedFrame frame = next();
+      cv::Mat& image = is_left ? frame.stereo->left : frame.stereo->right;
+      image = (is_left ? seen.stereo->left : seen.stereo->right).clone();
+      EXPECT_EQ(perception_->process(frame).camera.status, TrackingStatus::kUnreliable) << i;
+    }
+    pace_ = 1.0;
+    for (int i = 0; i < 15; ++i) (void)perception_->process(next());
+  }
 }
 
 TEST_F(UnreliableFramesTest, ImagesOfAnotherSizeChangeNothing) {

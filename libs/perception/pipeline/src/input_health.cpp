@@ -576,9 +576,8 @@ void InputHealth::checkImages(const StereoFrame& frame, Findings& findings) {
   const bool is_settled = !disagreed_ || std::abs(frame.time - *disagreed_) >= kAgreement_s;
   if (!is_settled) images_ = slam::ImageEvidence::kContradictory;
   // Nothing can be measured; before there is a map, nothing can be predicted either.
-  if (camera_check_.isFrozen() || (is_one_missing && was_localised_)) {
-    images_ = slam::ImageEvidence::kSeenBefore;
-  }
+  if (is_one_missing && was_localised_) images_ = slam::ImageEvidence::kOneUseless;
+  if (camera_check_.isFrozen()) images_ = slam::ImageEvidence::kSeenBefore;
   const bool is_turned = std::exchange(turn_, stereo_check_.turn()) != stereo_check_.turn();
   if (is_turned && scale_check_) scale_check_->restart();
 }

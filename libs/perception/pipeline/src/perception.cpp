@@ -96,9 +96,24 @@ std::string describe(const slam::LoopAttempt& loop) {
   return text + formatted("; offset %.2f m, allowed %.2f m", loop.offset_m, loop.offset_allowed_m);
 }
 
-/// How the camera was found again, and at which place of the map.
+/// How a camera that was lost has a pose again: found at a place of the map, or carried on.
 std::string describeRelocalisation(const FrameState& state, const slam::MapView& map) {
-  if (state.camera.revision.cause == slam::MapChange::kNewSubmap) {
+  const slam::MapChange cause = state.camera.revision.cause;
+  if (cause == slam::MapChange::kStart) {
+    return formatted("the map begins after %zu frames that could not be localised",
+                     state.previous.lost_in_a_row);
+  }
+  if (cause == slam::MapChange::kBridged) {
+    return formatted(
+        "the map goes on where odometry led in %zu lost frames: no place of it was "
+        "recognised",
+        state.previous.lost_in_a_row);
+  }
+  if (cause == slam::MapChange::kNewSubmap && state.camera.submap == 0) {
+    return formatted("the map begins anew after %zu lost frames: little of it was seen before",
+                     state.previous.lost_in_a_row);
+  }
+  if (cause == slam::MapChange::kNewSubmap) {
     return formatted("submap %d, whose place in the map is not known, after %zu lost frames",
                      state.camera.submap, state.previous.lost_in_a_row);
   }
@@ -191,7 +206,7 @@ class Perception::Implementation {
     state.add(health.checkFrame(state));
     state.images = health.imageEvidence();
     // What was seen before is no news of what moves or of what is free.
-    const bool is_new = state.images != slam::ImageEvidence::kSeenBefore;
+    const bool is_new = slam::canMeasure(state.images);
     state.scans_ground = is_new && mapping.takesTurn(frame, rate_);
     state.scans_local = is_new && frame.stereo && mapping.hasLocalLayer();
     state.context = rectify(state);
@@ -354,7 +369,7 @@ class Perception::Implementation {
       state.static_map = localisation.slam()->map();
       state.submaps = localisation.slam()->submaps();
     }
-    if (state.T_map_robot && state.previous.lost_in_a_row > 0 && log) {
+    if (state.T_map_robot && state.is_by_slam && state.previous.lost_in_a_row > 0 && log) {
       write(LogLevel::kInfo, state, describeRelocalisation(state, *mapping.map().staticMap()));
     }
     if (callbacks.on_pose) callbacks.on_pose(state.frame.time, state.camera);

@@ -64,10 +64,12 @@ class StereoSlam::Implementation {
     const StereoFrame& frame = context.frame();
     rate_.add(frame.time);
     tracker_.setInterval(rate_.interval());
-    const bool is_repeated = images == ImageEvidence::kSeenBefore;
+    const bool is_repeated = !canMeasure(images);
     const bool stands = standstill_check_.add(frame.time, frame.motion_prior, !is_repeated);
     const bool has_wheels = params_.use_odometry && frame.motion_prior.T_previous_current;
-    const bool may_stand = has_wheels ? stands : !isMotionVisible(frame);
+    // Where one image of two comes again, the other one shows that the camera moves.
+    const bool is_pair_repeated = images == ImageEvidence::kSeenBefore;
+    const bool may_stand = has_wheels ? stands : is_pair_repeated && !isMotionVisible(frame);
     const bool is_held = is_repeated && may_stand && reference_ && lost_in_a_row_ == 0;
     const bool is_frozen = is_repeated && !is_held && !(has_wheels && stands);
     TrackingFrame current;
@@ -438,12 +440,13 @@ class StereoSlam::Implementation {
     // A beginning that is given up leaves its number, if nothing else remains of the map.
     const bool is_last = active_submap_.isNew(rate_) && !is_first &&
                          active_submap_.first() == map_.keyframes().begin()->first;
-    const bool keeps_submap = is_first || is_last || isBridged(frame);
+    const bool is_bridged = !is_first && !is_last && isBridged(frame);
+    const bool keeps_submap = is_first || is_last || is_bridged;
     const int submap = keeps_submap ? this->submap() : map_.newSubmap();
     const bool may_begin = is_first || (is_over && right_image_.mayExtend());
     if (params_.mapping && may_begin && initialise(current, submap)) {
       lost_in_a_row_ = 0;
-      if (!is_first) noteChange(MapChange::kNewSubmap);
+      if (!is_first) noteChange(is_bridged ? MapChange::kBridged : MapChange::kNewSubmap);
       update.status = TrackingStatus::kTracked;
       update.is_keyframe = true;
       update.inliers = update.features = static_cast<int>(seen_before_.size());
@@ -692,7 +695,7 @@ const char* toString(TrackingStatus status) {
 const char* toString(MapChange cause) {
   constexpr const char* kNames[] = {"start",       "bundle_adjustment", "gravity", "right_camera",
                                     "relocalised", "new_submap",        "loop",    "submap_joined",
-                                    "maps_joined", "mounting"};
+                                    "maps_joined", "mounting",          "bridged"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 

@@ -47,10 +47,11 @@ enum class MapChange {
   kSubmapJoined,      ///< a place was recognised in another submap, which this one is part of now
   kMapsJoined,        ///< the maps of several recordings were joined
   kMounting,          ///< the camera is mounted otherwise than was assumed
+  kBridged,           ///< the map goes on where odometry led, because the camera was not found
 };
 
 /// "start", "bundle_adjustment", "gravity", "right_camera", "relocalised", "new_submap", "loop",
-/// "submap_joined", "maps_joined" or "mounting".
+/// "submap_joined", "maps_joined", "mounting" or "bridged".
 [[nodiscard]] const char* toString(MapChange cause);
 
 /// State of the poses in the map. As long as its number is the same, T_map_odom changes by the
@@ -66,7 +67,13 @@ enum class ImageEvidence {
   kNone,           ///< nothing is wrong with them
   kContradictory,  ///< left and right do not fit each other
   kSeenBefore,     ///< they are those of the frame before
+  kOneUseless,     ///< one shows nothing, came before or is the other one: nothing is measured
 };
+
+/// Whether a pose and objects can be measured in images.
+[[nodiscard]] constexpr bool canMeasure(ImageEvidence images) {
+  return images == ImageEvidence::kNone || images == ImageEvidence::kContradictory;
+}
 
 /// Why a pose is unreliable.
 enum class Doubt {
