@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <headway_test/textured_world.h>
 
+#include <map>
+#include <string>
+
 #include "input_health.h"
 
 namespace headway::pipeline {
@@ -117,12 +120,22 @@ TEST(FloorCheckTest, AWrongMountingIsSaidWithBothNumbers) {
 }
 
 TEST(FloorCheckTest, AFactorOfUnitsNamesTheUnit) {
-  for (const double unit : {5.0, 0.2, 1000.0}) {
-    Motion motion;
-    motion.unit = unit;
-    const Result result = move(camera(0.6, 19.0 * kDegree, 9.0 * kDegree), motion);
-    ASSERT_EQ(1U, result.findings.size()) << unit;
-    EXPECT_THAT(result.findings[0].text, HasSubstr("as of another unit"));
+  const std::map<double, std::string> units = {{5.0, "as of 1/5000 m, read as millimetres"},
+                                               {0.2, "as of millimetres, read as 1/5000 m"},
+                                               {1000.0, "as of millimetres, read as metres"},
+                                               {0.001, "as of metres, read as millimetres"}};
+  for (const bool is_depth : {true, false}) {
+    for (const auto& [unit, text] : units) {
+      StereoCamera stated = camera(0.6, 19.0 * kDegree, 9.0 * kDegree);
+      if (is_depth) stated.depth_reach_m = 1000.0;
+      Motion motion;
+      motion.unit = unit;
+      const Result result = move(stated, motion);
+      ASSERT_EQ(1U, result.findings.size()) << unit;
+      const bool is_named = is_depth || unit == 1000.0 || unit == 0.001;
+      EXPECT_THAT(result.findings[0].text, HasSubstr(is_named ? text : "as of another unit"));
+      EXPECT_THAT(result.findings[0].text, HasSubstr("is stated to be 0.60 m"));
+    }
   }
 }
 

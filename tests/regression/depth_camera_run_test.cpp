@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A simulated depth camera through the whole of headway: pose, moving objects, grid and report.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <headway/io/trajectory_file.h>
 #include <headway_test/paths.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <utility>
 
 #include "replay_run.h"
 
 namespace headway {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr int kFrames = 160;
 
@@ -102,23 +110,83 @@ TEST_F(DepthCameraRunTest, LocalisesInTheMapOfAnEarlierRun) {
   EXPECT_GT(again.summary.at("frames_tracked"), 28);
 }
 
-// A RealSense on a rolling robot, nothing moves: neighbouring depths err alike, and for a while.
-TEST(RealDepthCameraTest, NothingMovesInAStaticRoomAtAnyRate) {
-  HEADWAY_REQUIRE_DATA(data);
-  const std::string clip = (data / "rgbd/realsense_robot").string();
-  if (!std::filesystem::exists(clip)) GTEST_SKIP() << clip << " is missing";
-  const test::TemporaryFolder folder;
+/// A RealSense on a rolling robot, nothing moves.
+class RealDepthCameraTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    HEADWAY_REQUIRE_DATA(data);
+    clip_ = (data / "rgbd/realsense_robot").string();
+    if (!std::filesystem::exists(clip_)) GTEST_SKIP() << clip_ << " is missing";
+  }
+
+  test::ProcessResult import(const std::string& calibration, const std::string& rate_hz) const {
+    return test::runProcess(test::program("headway-import") + " images -q -w --left " + clip_ +
+                            "/rgb --depth " + clip_ + "/depth --calibration " + calibration +
+                            " --rate " + rate_hz + " -o " + rawlog());
+  }
+
+  [[nodiscard]] std::string rawlog() const { return folder_ / "room.rawlog"; }
+
+  /// The calibration with a key that has another value, or none.
+  std::string changed(const std::string& key, const std::string& value) const {
+    std::istringstream all(test::contentsOf(clip_ + "/calibration.yaml"));
+    std::ofstream file(folder_ / "c.yaml");
+    for (std::string row; std::getline(all, row);) {
+      if (row.rfind(key + ":", 0) != 0) file << row << '\n';
+    }
+    if (!value.empty()) file << key << ": " << value << '\n';
+    return folder_ / "c.yaml";
+  }
+
+  /// What a replay says about the mounting.
+  [[nodiscard]] std::string saidOfMounting() const {
+    const auto run = test::replay(rawlog(), folder_ / "out", "-w --snapshots 0 --detector none");
+    EXPECT_EQ(0, run.process.status) << run.process.output;
+    const auto& warnings = run.summary.at("warnings");
+    return warnings.contains("camera_mounting")
+               ? warnings.at("camera_mounting").at("text").get<std::string>()
+               : "";
+  }
+
+  std::string clip_;
+  test::TemporaryFolder folder_;
+};
+
+// Neighbouring depths err alike, and for a while.
+TEST_F(RealDepthCameraTest, NothingMovesInAStaticRoomAtAnyRate) {
   for (const char* rate : {"5", "10", "15", "30"}) {
-    const auto imported = test::runProcess(
-        test::program("headway-import") + " images -q -w --left " + clip + "/rgb --depth " + clip +
-        "/depth --calibration " + clip + "/calibration.yaml --rate " + rate + " -o " +
-        (folder / "room.rawlog").string());
+    const auto imported = import(clip_ + "/calibration.yaml", rate);
     ASSERT_EQ(0, imported.status) << imported.output;
-    const auto run = test::replay(folder / "room.rawlog", folder / "out",
-                                  "-w --snapshots 0 --detector stereo_motion");
+    const auto run =
+        test::replay(rawlog(), folder_ / "out", "-w --snapshots 0 --detector stereo_motion");
     ASSERT_EQ(0, run.process.status) << run.process.output;
     EXPECT_EQ(0, run.summary.at("tracks_moving")) << rate << " Hz";
+    EXPECT_EQ(0, run.summary.at("frames_lost")) << rate << " Hz";
   }
+}
+
+TEST_F(RealDepthCameraTest, TheFloorShowsTheMounting) {
+  ASSERT_EQ(0, import(clip_ + "/calibration.yaml", "10").status);
+  EXPECT_EQ("", saidOfMounting()) << "as it is stated";
+  ASSERT_EQ(0, import(changed("T_robot_cam", ""), "10").status);
+  const std::string said = saidOfMounting();
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(
+      said, match, std::regex("is ([0-9.]+) m above the floor, looking ([0-9.]+) deg down")))
+      << said;
+  EXPECT_NEAR(0.62, std::stod(match[1]), 0.03);
+  EXPECT_NEAR(19.0, std::stod(match[2]), 1.5);
+}
+
+TEST_F(RealDepthCameraTest, AWrongUnitOfDepthsIsNamed) {
+  for (const auto& [unit_m, text] : {std::pair("0.005", "as of 1/5000 m, read as millimetres"),
+                                     std::pair("0.0002", "as of millimetres, read as 1/5000 m")}) {
+    ASSERT_EQ(0, import(changed("depth_unit_m", unit_m), "10").status);
+    EXPECT_THAT(saidOfMounting(), HasSubstr(text)) << unit_m;
+  }
+  const auto refused = import(changed("depth_unit_m", "1"), "10");
+  EXPECT_EQ(1, refused.status);
+  EXPECT_THAT(refused.output, HasSubstr("it is 0.001 as a rule"));
 }
 
 }  // namespace

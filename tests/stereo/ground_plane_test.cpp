@@ -84,6 +84,42 @@ TEST(FindGroundTest, IsTheRampAheadWhereThatIsAllThatIsSeen) {
   EXPECT_NEAR(ground->up.z(), -std::sin(0.1), 0.01);
 }
 
+/// Disparities of a floor, and of a table on it, 1 to 2.5 m ahead, in a part of the columns.
+DisparityImage withTable(const StereoCamera& camera, double height, double columns_ratio) {
+  DisparityImage image = street(camera, height, 0.0);
+  const double fb = camera.fx * camera.baseline_m;
+  const int columns = static_cast<int>(columns_ratio * image.values.cols);
+  const int first = (image.values.cols - columns) / 2;
+  for (int row = 0; row < image.values.rows; ++row) {
+    const double y = (image.pixelOf(row) - camera.cy) / camera.fy;
+    const double depth = y > 0.0 ? (height - 0.7) / y : 30.0;
+    const bool is_table = depth > 1.0 && depth < 2.5;
+    if (is_table) image.values.row(row).colRange(first, first + columns).setTo(fb / depth);
+  }
+  return image;
+}
+
+TEST(FindFloorTest, ATableIsNoFloor) {
+  StereoCamera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 383.0;
+  camera.cx = 320.0;
+  camera.cy = 240.0;
+  camera.baseline_m = 0.4;
+  camera.depth_reach_m = 8.0;
+  int found = 0;
+  for (const double height : {0.9, 1.2, 1.5}) {
+    for (const double columns : {0.2, 0.5, 0.8, 0.95}) {
+      const auto floor = findFloor(withTable(camera, height, columns), camera);
+      if (!floor) continue;
+      EXPECT_NEAR(height, floor->camera_height, 0.05) << height << " " << columns;
+      ++found;
+    }
+  }
+  EXPECT_GE(found, 6) << "where most of what is seen is floor";
+}
+
 /// The rig of a camera mounted level above the ground.
 RigCapability rigAt(double height) {
   auto camera = streetCamera();

@@ -182,7 +182,17 @@ struct FloorLimits {
   double unit_ratio = 0.1;     ///< a factor of units is met within this
 };
 constexpr FloorLimits kFloorLimits;
-constexpr std::array kUnitFactors = {0.001, 0.2, 5.0, 1000.0};  ///< mm for m; 1/5000 for 1/1000 m
+
+/// A unit that distances are in, and the one that they are read in.
+struct UnitFactor {
+  double factor;
+  const char* text;
+  bool is_of_baselines;  ///< as well as of depth images
+};
+constexpr std::array kUnitFactors = {UnitFactor{0.001, "metres, read as millimetres", true},
+                                     UnitFactor{0.2, "millimetres, read as 1/5000 m", false},
+                                     UnitFactor{5.0, "1/5000 m, read as millimetres", false},
+                                     UnitFactor{1000.0, "millimetres, read as metres", true}};
 
 FloorCheck::Mounting mountingBy(const Eigen::Vector3d& up_cam, double height_m) {
   return {height_m, std::asin(std::clamp(-up_cam.z(), -1.0, 1.0)),
@@ -318,14 +328,15 @@ std::optional<Finding> FloorCheck::compare(std::size_t frame) const {
   const Mounting stated = mountingBy(stereo::mountedUp(camera_), rig.camera_height_m);
   const std::string both = by_floor + ", but it is stated to be " + mountingText(stated);
   const double ratio = mounting_->height_m / stated.height_m;
-  for (const double factor : kUnitFactors) {
-    if (std::abs(ratio / factor - 1.0) > kFloorLimits.unit_ratio) continue;
+  const bool is_depth = camera_.isDepthCamera();
+  for (const UnitFactor& unit : kUnitFactors) {
+    if (std::abs(ratio / unit.factor - 1.0) > kFloorLimits.unit_ratio) continue;
     return Finding{
         "camera_mounting", frame,
-        both + formatted(": distances are %g times those of the mounting, as of another "
-                         "unit; check %s, and the unit of T_robot_cam (cameraPose)",
-                         factor,
-                         camera_.isDepthCamera() ? "depth_unit_m (rangeUnits)" : "the baseline")};
+        both + formatted(": distances are %g times those of the mounting, as of %s; "
+                         "check %s, and the unit of T_robot_cam (cameraPose)",
+                         unit.factor, is_depth || unit.is_of_baselines ? unit.text : "another unit",
+                         is_depth ? "depth_unit_m (rangeUnits)" : "the baseline")};
   }
   if (agreesWith(stated, kFloorLimits.sigma_height_m, kFloorLimits.sigma_tilt_rad)) return {};
   return Finding{"camera_mounting", frame,
