@@ -46,6 +46,21 @@ TEST(ConfigTest, PresetsLoadAndChangeSomething) {
   EXPECT_GE(files, 1u);
 }
 
+/// The lines of a section.
+std::string sectionOf(const std::string& text, const std::string& name) {
+  const std::size_t begin = text.find("[" + name + "]");
+  return begin == std::string::npos ? "" : text.substr(begin, text.find("\n[", begin) - begin);
+}
+
+/// Detectors that are left out in some frames blinded robots: people were found a sixth as often.
+TEST(ConfigTest, ThePresetForSmallComputersLeavesOutNoDetection) {
+  const std::string preset = std::string(HEADWAY_SOURCE_DIR) + "/config/presets/small_computer.ini";
+  const std::string without = dumped("--expert"), with = dumped("--expert -c " + preset);
+  EXPECT_NE(std::string::npos, sectionOf(with, "detect").find("period_s = 0"));
+  EXPECT_EQ(sectionOf(without, "detect"), sectionOf(with, "detect"));
+  EXPECT_NE(without, with);
+}
+
 TEST(ConfigTest, AUserFacesAboutThirtyKeys) {
   const std::string text = test::contentsOf(kUserKeys);
   std::size_t keys = 0;
