@@ -4,6 +4,7 @@
 #include <headway/core/text.h>
 #include <headway/io/dataset.h>
 #include <headway/io/degrade.h>
+#include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
 #include <headway/program/command_line.h>
@@ -370,6 +371,17 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
   return summary;
 }
 
+/// Reads the beginning of a recording as a replay does, which refuses pairs that do not match.
+/// @throws InputError
+void requireUsablePairs(const std::string& rawlog) {
+  io::RawlogSource source(rawlog, {});
+  std::optional<Time> begin;
+  while (const auto frame = source.next()) {
+    if (!begin) begin = frame->time;
+    if (frame->time - *begin > 2.5) return;  // it is decided by then at any usual rate
+  }
+}
+
 void report(const ImportOptions& options, const ImportSummary& summary) {
   std::cout << printable(options.output) << ": " << summary.frames << " frames"
             << (summary.interrupted ? ", interrupted" : "");
@@ -395,6 +407,8 @@ int runDataset(const std::string& dataset_name, const std::string& about, int ar
   }
   program::catchInterrupts();
   const auto summary = importDataset(*dataset, *options);
+  const bool is_compared = options->dataset == "images" && !options->check && !summary.interrupted;
+  if (is_compared) requireUsablePairs(options->output);
   if (!options->quiet) report(*options, summary);
   return options->check ? checkRawlog(options->output) : program::kDone;
 }

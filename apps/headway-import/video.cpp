@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Videos as images of a camera, by OpenCV, which decodes them with FFmpeg: therefore no part of io.
 #include <headway/core/error.h>
+#include <headway/io/image_file.h>
 
 #include <algorithm>
 #include <cctype>
@@ -45,7 +46,10 @@ class Video : public io::ImageSequence {
  private:
   void open() const {
     next_ = 0;
-    if (!capture_.open(path_)) throw InputError(path_ + ": is no video that OpenCV can open");
+    if (capture_.open(path_)) return;
+    const std::string pointer = io::lfsPointerFault(path_);
+    throw InputError(path_ + ": " +
+                     (pointer.empty() ? "is no video that OpenCV can open" : pointer));
   }
 
   std::string path_;

@@ -90,6 +90,11 @@ TEST_F(BrokenBagTest, ForeignFilesAreRefusedWithTheCause) {
   EXPECT_THAT(import(at("a.bag") + " --list").output, HasSubstr("a.bag: is empty"));
   write(at("a.bag"), "rubbish");
   EXPECT_THAT(import(at("a.bag") + " --list").output, HasSubstr("is no bag of ROS 1"));
+  for (const char* name : {"a.bag", "a.mcap", "a.db3"}) {
+    write(at(name), "version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 9\n");
+    EXPECT_THAT(import(at(name) + " --list").output,
+                HasSubstr(std::string(name) + ": is a Git-LFS pointer"));
+  }
   write(at("a.db3.zstd"), "\x28\xB5\x2F\xFD");
   EXPECT_THAT(import(at("a.db3.zstd") + " --list").output, HasSubstr("zstd -d"));
   write(at("a.mcap"), "\x89MCAP0\r\n");

@@ -294,6 +294,9 @@ TEST_F(DatasetTest, TimesOfImagesAreTakenInTheDocumentedOrder) {
   EXPECT_TRUE(open()->warnings().empty());
   write("n/times.txt", "4\n5\n6\n");
   EXPECT_EQ((Times{4, 5, 6}), timesOf(*open())) << "beside both folders";
+  write("c.yaml", calibration + "times: stated.txt\n");
+  write("stated.txt", "7\n8\n9\n");
+  EXPECT_EQ((Times{7, 8, 9}), timesOf(*open())) << "the calibration's rather than times.txt";
   write("c.yaml", calibration + "frame_rate_hz: 4\n");
   EXPECT_EQ((Times{0, 0.25, 0.5}), timesOf(*open()));
   EXPECT_EQ((Times{0, 0.5, 1}), timesOf(*open({2.0, ""})));
@@ -301,6 +304,27 @@ TEST_F(DatasetTest, TimesOfImagesAreTakenInTheDocumentedOrder) {
   EXPECT_EQ((Times{1, 3, 7}), timesOf(*open({0.0, folder_ / "t"})));
   write("t", "1\nnan\n7\n");
   EXPECT_THAT(test::errorOf([&] { (void)open({0.0, folder_ / "t"}); }), HasSubstr("t:2"));
+}
+
+TEST_F(DatasetTest, NamesAreTimesInSecondsOrNanoseconds) {
+  write("c.yaml", "image_size: [160, 120]\nleft: [100, 100, 80, 60]\nbaseline_m: 0.2\n");
+  const std::map<std::string, std::vector<std::string>> units = {
+      {"s", {"1700000000.25", "1700000000.5", "1700000001"}},
+      {"ns", {"1700000000250000000", "1700000000500000000", "1700000001000000000"}}};
+  for (const auto& [unit, names] : units) {
+    for (const auto& name : names) {
+      for (const char* side : {"/l/", "/r/"}) {
+        writeImage(unit + side + name + ".png", test::wall(0).left);
+      }
+    }
+    const auto dataset =
+        openImageFolders(folder_ / (unit + "/l"), folder_ / (unit + "/r"), folder_ / "c.yaml");
+    EXPECT_THAT(timesOf(*dataset),
+                ::testing::Pointwise(::testing::DoubleNear(1e-6),
+                                     std::vector<Time>{1.7e9 + 0.25, 1.7e9 + 0.5, 1.7e9 + 1.0}))
+        << unit;
+    EXPECT_TRUE(dataset->warnings().empty()) << unit;
+  }
 }
 
 TEST_F(DatasetTest, ImagesWithoutTimesGetARateAndAWarning) {
@@ -341,6 +365,16 @@ TEST_F(DatasetTest, ImagesWithTimesArePairedByTime) {
   EXPECT_EQ(3u, dataset->size());
   EXPECT_NEAR(1.7e9 + 0.2, dataset->frame(1).time, 1e-6);
   EXPECT_EQ((std::map<std::string, std::size_t>{{"unpaired_image", 1}}), dataset->dropped());
+  write("t", "1\n3\n7\n8\n");
+  for (const auto& [stated, times] :
+       {std::pair(ImageTimes{5.0, ""}, std::vector<Time>{0.0, 0.4, 0.6}),
+        std::pair(ImageTimes{0.0, folder_ / "t"}, std::vector<Time>{1.0, 7.0, 8.0})}) {
+    const auto timed = openImageFolders(folder_ / "l", folder_ / "r", folder_ / "c.yaml", stated);
+    EXPECT_THAT(timesOf(*timed), ::testing::Pointwise(::testing::DoubleNear(1e-9), times));
+    EXPECT_EQ(dataset->dropped(), timed->dropped());
+    EXPECT_TRUE(test::sameImage(dataset->frame(1).right, timed->frame(1).right));
+    EXPECT_TRUE(test::sameImage(dataset->frame(1).left, timed->frame(1).left));
+  }
   EXPECT_THAT(test::errorOf([&] {
                 (void)openImageFolders(folder_ / "l", folder_ / "late", folder_ / "c.yaml");
               }),

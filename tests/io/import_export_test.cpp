@@ -355,6 +355,38 @@ TEST_F(ImportExportTest, VideosAreReadWithTheTimesOfTheirContainer) {
                              at("c.yaml") + " -w -o " + at("x.rawlog"));
   EXPECT_EQ(1, broken.status);
   EXPECT_THAT(broken.output, HasSubstr("no.mp4: is no video that OpenCV can open"));
+  std::ofstream(at("no.mp4"))
+      << "version https://git-lfs.github.com/spec/v1\noid sha256:1\nsize 9\n";
+  EXPECT_THAT(import("images --left " + at("no.mp4") + " --side-by-side --calibration " +
+                     at("c.yaml") + " -w -o " + at("x.rawlog"))
+                  .output,
+              HasSubstr("no.mp4: is a Git-LFS pointer"));
+}
+
+TEST_F(ImportExportTest, PairsThatDoNotMatchAreRefusedAsByAReplay) {
+  RawlogSource source(std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall.rawlog", {});
+  const auto frames = test::framesOf(source);
+  const StereoCamera& camera = *frames[0].stereo->camera;
+  std::ofstream(at("c.yaml")) << "image_size: [" << camera.width << ", " << camera.height
+                              << "]\nleft: [" << camera.fx << ", " << camera.fy << ", " << camera.cx
+                              << ", " << camera.cy << "]\nbaseline_m: " << camera.baseline_m
+                              << "\n";
+  for (const char* side : {"l", "r", "other"}) fs::create_directories(folder_ / side);
+  for (std::size_t i = 0; i < 20; ++i) {
+    const std::string name = "/" + std::to_string(i) + ".png";
+    cv::imwrite(at("l") + name, frames[i].stereo->left);
+    cv::imwrite(at("r") + name, frames[i].stereo->right);
+    cv::imwrite(at("other") + name, frames[frames.size() - 1 - i].stereo->right);
+  }
+  const auto imported = [&](const std::string& right, const std::string& more) {
+    return import("images --rate 10 -w --left " + at("l") + " --right " + at(right) +
+                  " --calibration " + at("c.yaml") + " -o " + at("x.rawlog") + more);
+  };
+  const auto good = imported("r", "");
+  EXPECT_EQ(0, good.status) << good.output;
+  const auto refused = imported("other", "");
+  EXPECT_EQ(1, refused.status);
+  EXPECT_THAT(refused.output, HasSubstr("x.rawlog: stereo images: nothing matches"));
 }
 
 TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {

@@ -4,6 +4,7 @@
 #include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <headway/core/text.h>
+#include <headway/io/image_file.h>
 
 #include <algorithm>
 #include <array>
@@ -106,7 +107,10 @@ std::unique_ptr<BagReader> openBag(const std::string& path) {
   if (isZstandard(magic)) {
     throw InputError(path + ": is compressed as a whole; `zstd -d` decompresses it");
   }
-  throw InputError(path + ": is no bag of ROS 1 (.bag) or ROS 2 (.mcap, .db3)");
+  const std::string pointer = io::lfsPointerFault(path);
+  throw InputError(
+      path + ": " +
+      (pointer.empty() ? "is no bag of ROS 1 (.bag) or ROS 2 (.mcap, .db3)" : pointer));
 }
 
 }  // namespace headway::bags

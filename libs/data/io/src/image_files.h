@@ -33,9 +33,6 @@ namespace headway::io {
 /// @throws InputError if the folder does not exist
 [[nodiscard]] std::vector<std::string> imagesIn(const std::string& folder);
 
-/// What a file of a repository is whose content was not fetched, for messages; empty if it is none.
-[[nodiscard]] std::string lfsPointerFault(const std::string& path);
-
 /// Loads an image as 8-bit grey or BGR. @throws InputError naming the file on failure
 [[nodiscard]] cv::Mat requireImage(const std::string& path);
 

@@ -102,25 +102,28 @@ class ImagePairs {
   ImagePairs(const ImageSequence& left, const ImageSequence& other, const ImageTimes& stated,
              double max_gap_s) {
     if (left.size() == 0) throw InputError(left.name() + ": contains no images");
-    const bool is_stated = stated.rate_hz > 0.0 || !stated.file.empty();
-    if (!is_stated && !left.times().empty() && !other.times().empty()) {
+    const bool have_times = !left.times().empty() && !other.times().empty();
+    if (have_times) {
       pairByTime(left, other, max_gap_s);
-      return;
+    } else {
+      pairByOrder(left, other);
     }
-    pairByOrder(left, other);
+    const bool is_rate_stated = stated.rate_hz > 0.0;
     if (!stated.file.empty()) {
       times_ = readTimes(stated.file);
       requireTimesFor(left.size(), stated.file, times_);
-    } else if (!is_stated && !left.times().empty()) {
+    } else if (!is_rate_stated && !left.times().empty()) {
       times_ = left.times();
-    } else if (!is_stated && !other.times().empty()) {
+    } else if (!is_rate_stated && !other.times().empty()) {
       times_ = other.times();
     } else {
-      is_assumed_ = !is_stated;
+      is_assumed_ = !is_rate_stated;
+      const double rate_hz = is_rate_stated ? stated.rate_hz : kAssumedRateHz;
       for (std::size_t i = 0; i < left.size(); ++i) {
-        times_.push_back(static_cast<double>(i) / (is_stated ? stated.rate_hz : kAssumedRateHz));
+        times_.push_back(static_cast<double>(i) / rate_hz);
       }
     }
+    if (have_times) noteUnpaired(left.times(), other.times());
   }
 
   [[nodiscard]] std::size_t size() const { return pairs_.size(); }
@@ -135,19 +138,16 @@ class ImagePairs {
 
  private:
   void pairByTime(const ImageSequence& left, const ImageSequence& other, double max_gap_s) {
-    times_ = left.times();
+    const auto& times = left.times();
     const auto& others = other.times();
     for (const auto* side : {&left, &other}) {
       if (std::is_sorted(side->times().begin(), side->times().end())) continue;
       throw InputError(side->name() + ": the times of its images do not increase");
     }
-    pairs_ = pairedByTime(times_, others, max_gap_s);
-    unpaired_ = unpairedTimes(times_, pairs_, 0);
-    const auto unpaired_others = unpairedTimes(others, pairs_, 1);
-    unpaired_.insert(unpaired_.end(), unpaired_others.begin(), unpaired_others.end());
+    pairs_ = pairedByTime(times, others, max_gap_s);
     if (!pairs_.empty()) return;
-    double nearest = std::abs(others.front() - times_.front());
-    for (const Time time : times_) {
+    double nearest = std::abs(others.front() - times.front());
+    for (const Time time : times) {
       const auto after = std::lower_bound(others.begin(), others.end(), time);
       if (after != others.end()) nearest = std::min(nearest, *after - time);
       if (after != others.begin()) nearest = std::min(nearest, time - *(after - 1));
@@ -156,6 +156,16 @@ class ImagePairs {
                      formatted(": their images are %.3g s apart or more, allowed are %g s: the "
                                "cameras are not synchronised, or their clocks differ",
                                nearest, max_gap_s));
+  }
+
+  /// Images without partner have the time of the left image next to them, as it counts here.
+  void noteUnpaired(const std::vector<Time>& lefts, const std::vector<Time>& others) {
+    unpaired_ = unpairedTimes(times_, pairs_, 0);
+    for (const Time time : unpairedTimes(others, pairs_, 1)) {
+      const auto next = std::lower_bound(lefts.begin(), lefts.end(), time);
+      const auto index = static_cast<std::size_t>(next - lefts.begin());
+      unpaired_.push_back(times_.at(std::min(index, lefts.size() - 1)));
+    }
   }
 
   void pairByOrder(const ImageSequence& left, const ImageSequence& other) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Decoding of images within limits.
+// Decoding of images within limits, and what a file is that is none.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -19,6 +19,9 @@ namespace headway::io {
 
 /// Whether the file is an image of 16 bits per channel, which loadImage() does not read.
 [[nodiscard]] bool isDeepImageFile(const std::string& path);
+
+/// What a file of a repository is whose content was not fetched, for messages; empty if it is none.
+[[nodiscard]] std::string lfsPointerFault(const std::string& path);
 
 /// Converts an 8-bit BGR image to grey; grey images are returned unchanged.
 [[nodiscard]] cv::Mat greyOf(const cv::Mat& image);
