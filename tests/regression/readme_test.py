@@ -231,12 +231,12 @@ class Inputs:
                 f"{1341847980 + 0.1 * k:.6f} {name}\n" for k, name in enumerate(names)))
 
     def bag(self) -> None:
-        """Of ROS 1: the first bytes of a file decide on its format, not its name."""
+        """Of ROS 1: the first bytes of a file decide on its format, not its name. An OAK's has the topics that its
+        driver depthai publishes."""
         writer = self.source / "tests/bags/writers/write_ros1.py"
-        subprocess.run(["/usr/bin/python3", str(writer), "drive.bag", "mono", "none"],
-                       cwd=self.folder, check=True)
-        shutil.copyfile(self.folder / "drive.bag", self.folder / "oak.bag")
-        (self.folder / "drive.bag").rename(self.folder / "drive.mcap")
+        for name, camera in (("drive.mcap", "/stereo"), ("oak.bag", "/oak")):
+            subprocess.run(["/usr/bin/python3", str(writer), name, "mono", "none", camera],
+                           cwd=self.folder, check=True)
 
     def videos(self) -> None:
         """Of PNG images in AVI: the first bytes decide here too."""

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the recording as a ROS 1 bag by rosbag's own writer: write_ros1.py OUT.bag FORM COMPRESSION"""
+"""Writes the recording as a ROS 1 bag by rosbag's own writer: write_ros1.py OUT.bag FORM COMPRESSION [CAMERA]
+
+CAMERA (default /stereo): of the names of a stereo camera's topics."""
 import base64
 import os
 import sys
@@ -48,4 +50,6 @@ with rosbag.Bag(sys.argv[1], "w", compression=sys.argv[3], chunk_threshold=20000
         fill(message, ros1(values))
         if "SMALL_RECORDING" in os.environ:
             type(message)._full_text = ""  # definitions are most of a small bag
+        if len(sys.argv) > 4:
+            topic = topic.replace("/stereo/", sys.argv[4] + "/")
         bag.write(topic, message, genpy.Time(received // 10**9, received % 10**9))
