@@ -1,8 +1,9 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Compares a depth camera (headway-sim --rig rgbd) with a stereo camera (--rig robot) in the office floor:
-# RMSE of the trajectory after alignment [m], of each seed and the medians.
-#   [SEEDS="1 2 3 4 5"] [WORLD=hall] tests/bench/depth_camera.sh [OUT]
+# RMSE of the trajectory after alignment [m], of each seed and the medians. With real data, a Kinect turned fast and a
+# RealSense in a static room, told to be of several rates, beside the reference workload (needs target bench_slam).
+#   [HEADWAY_DATA=DATA] [SEEDS="1 2 3 4 5"] [WORLD=hall] tests/bench/depth_camera.sh [OUT]
 # OUT (default out/depth_camera) contains results; rawlogs are deleted.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -37,3 +38,37 @@ median() {
 }
 printf '| median | %.4f | %.4f |\n' "$(median "$out/robot.tmp")" "$(median "$out/rgbd.tmp")"
 rm "$out"/*.tmp
+
+[ -n "${HEADWAY_DATA:-}" ] || exit 0
+# clip NAME IMPORT-ARGUMENTS...: a real recording of a depth camera, without and with detection
+clip() {
+  local name=$1 detector result
+  shift
+  $bin/headway-import "$@" -q -w -o "$out/$name.rawlog" 2>/dev/null
+  for detector in none stereo_motion+shape; do
+    result=$out/$name-$detector
+    $bin/headway-replay -q -w -i "$out/$name.rawlog" -o "$result" --snapshots 0 --detector "$detector" \
+      2>"$result.log"
+    ate=$($bin/headway-eval trajectory --truth "$out/$name.rawlog" --estimate "$result/trajectory.tum" 2>/dev/null |
+      awk '/ATE RMSE/ { print $5 }') || true
+    python3 -c 'import json, sys
+s = json.load(open(sys.argv[3] + "/summary.json"))
+print("| {} | {} | {frames_lost} of {frames} | {} | {keyframes} | {frame_ms_p95:.0f} | {cpu_ms_per_frame:.0f} |"
+      " {tracks_moving} |".format(sys.argv[1], sys.argv[2], sys.argv[4], **s))' \
+      "$name" "$detector" "$result" "${ate:--}"
+  done
+  rm "$out/$name.rawlog"
+}
+
+$bin/headway-import kitti-odometry "$HEADWAY_DATA/kitti_odometry" --sequence 06 -q -w -o "$out/06.rawlog"
+printf '\nReference workload: %s ms\n' \
+  "$(build/release/tests/bench/slam/bench_slam -i "$out/06.rawlog" | awk '/^reference/ { print $3 }')"
+rm "$out/06.rawlog"
+echo "| clip | detector | lost | ATE RMSE m | keyframes | p95 ms | processor ms a frame | moving tracks |"
+echo "| --- | --- | --- | --- | --- | --- | --- | --- |"
+clip freiburg1_rpy tum-rgbd "$HEADWAY_DATA/rgbd/freiburg1_rpy"
+robot=$HEADWAY_DATA/rgbd/realsense_robot
+for rate in 5 10 15 30; do
+  clip "realsense_$rate" images --left "$robot/rgb" --depth "$robot/depth" --calibration "$robot/calibration.yaml" \
+    --rate $rate
+done
