@@ -157,11 +157,13 @@ TEST_F(RealDepthCameraTest, NothingMovesInAStaticRoomAtAnyRate) {
   for (const char* rate : {"5", "10", "15", "30"}) {
     const auto imported = import(clip_ + "/calibration.yaml", rate);
     ASSERT_EQ(0, imported.status) << imported.output;
-    const auto run =
-        test::replay(rawlog(), folder_ / "out", "-w --snapshots 0 --detector stereo_motion");
-    ASSERT_EQ(0, run.process.status) << run.process.output;
-    EXPECT_EQ(0, run.summary.at("tracks_moving")) << rate << " Hz";
-    EXPECT_EQ(0, run.summary.at("frames_lost")) << rate << " Hz";
+    for (const std::string detector : {"stereo_motion", "stereo_motion+shape"}) {
+      const auto run =
+          test::replay(rawlog(), folder_ / "out", "-w --snapshots 0 --detector " + detector);
+      ASSERT_EQ(0, run.process.status) << run.process.output;
+      EXPECT_EQ(0, run.summary.at("tracks_moving")) << detector << " at " << rate << " Hz";
+      EXPECT_EQ(0, run.summary.at("frames_lost")) << detector << " at " << rate << " Hz";
+    }
   }
 }
 

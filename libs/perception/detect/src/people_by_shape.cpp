@@ -19,7 +19,8 @@ namespace {
 struct UsualPerson {
   double width_m = 0.6;
   double height_m = 1.7;  ///< where the image does not show the head
-  double lowest_m = 1.0, highest_m = 2.0;
+  double lowest_m = 1.1;  ///< also seated; backs of chairs end below
+  double highest_m = 2.0;
   double body_m = 1.1;    ///< height to which the image has to show those who are not
   double near_m = 1.7;    ///< as near as this
   double apart_m = 0.45;  ///< of two, middle to middle
@@ -31,7 +32,7 @@ constexpr UsualPerson kPerson{};
 struct PeopleReach {
   double depth_sigma_m = 0.12;  ///< of stereo
   double stereo_m = 12.0;       ///< at most
-  double depth_camera_m = 5.0;
+  double depth_camera_m = 4.0;  ///< of a RealSense, furniture beyond looks like people
 };
 
 /// A person that the network sees.
@@ -56,8 +57,7 @@ double heightIn(const cv::Mat& patch) {
     if (seen < 2) continue;
     const bool cut = row == 0 || at(4, row - 1, size.columns / 2) > 0 || outside > 0;
     const double height = (size.rows - row) * size.cell_m;
-    return cut ? std::max(kPerson.height_m, height)
-               : std::clamp(height, kPerson.lowest_m, kPerson.highest_m);
+    return cut ? std::max(kPerson.height_m, height) : std::min(height, kPerson.highest_m);
   }
   return kPerson.height_m;
 }
@@ -118,9 +118,10 @@ class PeopleByShape::Implementation {
       const auto* values = said.ptr<float>(static_cast<int>(i));
       const double score = 1.0 / (1.0 + std::exp(-values[0]));
       if (score < neededScore(patches[i], places[i].z(), params_.min_score)) continue;
+      const double height = heightIn(patches[i]);
+      if (height < kPerson.lowest_m) continue;
       const auto [across, away] = axesAt(places[i], ground);
-      found.push_back(
-          {score, places[i] + values[1] * across + values[2] * away, heightIn(patches[i])});
+      found.push_back({score, places[i] + values[1] * across + values[2] * away, height});
     }
     return distinct(std::move(found));
   }

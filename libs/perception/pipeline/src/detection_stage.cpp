@@ -41,16 +41,18 @@ void correctTrucks(const StereoCamera& camera, const detect::StereoLifter& lifte
   }
 }
 
-/// Records which detectors evaluated the frame of these detections. That shapes do not show a
-/// person says nothing against one; what they show moves by its motion only.
+/// Records which detectors evaluated the frame of these detections, beside what stereo_motion says
+/// of its own. That shapes do not show a person says nothing against one; what they show moves by
+/// its motion only.
 void setTested(bool by_network, bool by_motion, const StereoCamera& camera,
                Detections& detections) {
   double range = camera.fx * camera.baseline_m / kTestedDisparity_px;
   if (camera.isDepthCamera()) range = std::min(range, camera.depth_reach_m);
   for (Detection& item : detections.items) {
     item.evidence.classifier_tested = by_network || item.evidence.classifier;
-    item.evidence.motion_tested = by_motion && item.evidence.classifier_tested && item.box3d &&
-                                  item.box3d->centre.z() < range;
+    const bool is_measurable = by_motion && item.evidence.classifier_tested && item.box3d &&
+                               item.box3d->centre.z() < range;
+    item.evidence.motion_tested = item.evidence.motion_tested || is_measurable;
   }
 }
 
