@@ -422,8 +422,9 @@ bool endedEarly(const fs::path& folder) {
   return reason != summary.end() && reason->is_string();
 }
 
-void writeFrames(std::ostream& out, const fs::path& folder, const ReplayPageOptions& options,
-                 Json points, const Note& note) {
+/// @param written  title, and bounds of the points that are written already
+void writeData(std::ostream& out, const fs::path& folder, const ReplayPageOptions& options,
+               const Json& written, const Note& note) {
   ReplayFrameOptions reading;
   reading.max_frames = kLimits.frames;
   reading.past_s = 0.0;
@@ -434,7 +435,7 @@ void writeFrames(std::ostream& out, const fs::path& folder, const ReplayPageOpti
   ReplayTruth truth;
   if (!options.truth.empty()) truth = readReplayTruth(options.truth, frames, note);
   Json data = pageData(folder, frames, truth, options.keyframes, note);
-  data.update(points);
+  data.update(written);
   writePageData(startBlock(out, "data", "application/json"), data, frames);
   out << kEndBlock;
 }
@@ -451,11 +452,12 @@ void writePage(std::ostream& out, const fs::path& folder, const ReplayPageOption
       << "\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>"
       << escaped(title) << " – headway replay</title><style>" << style << "</style></head><body>\n"
       << kPageBody;
-  Json points = {{"title", title}};
-  points["dense"] = writePoints(out, folder / "map_dense.ply", kLimits.dense_points, "dense");
-  points["landmarks"] = writePoints(out, folder / "map_points.ply", kLimits.landmarks, "landmarks");
+  Json written = {{"title", title}};
+  written["dense"] = writePoints(out, folder / "map_dense.ply", kLimits.dense_points, "dense");
+  written["landmarks"] =
+      writePoints(out, folder / "map_points.ply", kLimits.landmarks, "landmarks");
   writeImages(out, options.images);
-  writeFrames(out, folder, options, points, note);
+  writeData(out, folder, options, written, note);
   out << "<!-- three.js r" << kThreeRevision
       << ", MIT licence, Copyright 2010-2019 three.js authors -->\n<script>" << three
       << "</script>\n<script>" << script << "</script>\n</body></html>\n";

@@ -25,7 +25,7 @@ class PeakMemory {
     for (std::string word; status >> word;) {
       if (word == "VmHWM:") status >> peak_kb;
     }
-    return peak_kb / 1024;
+    return 1.024e-3 * peak_kb;  // the kernel's kB have 1024 bytes
   }
 
   double before_ = 0.0;
