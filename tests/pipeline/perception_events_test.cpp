@@ -84,7 +84,7 @@ TEST_F(PerceptionEventsTest, AMapThatGoesOnWhereOdometryLedIsNotCalledLocalised)
     for (cv::Mat* image : {&frame.stereo->left, &frame.stereo->right}) {
       const bool is_covered = i < 3 || (i >= 25 && i < 28);
       if (is_covered) image->setTo(4);
-      if (i >= 28) cv::flip(*image, *image, 0);  // which nobody has seen before
+      if (i >= 28) cv::flip(*image, *image, 0);  // the map has no such place
     }
     if (i > 0) {
       const Pose before = street_.T_map_robot(i - 1);

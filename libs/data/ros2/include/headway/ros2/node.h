@@ -42,7 +42,7 @@ class Publication {
   /// Whether anybody subscribes; without subscribers nothing should be made to be published.
   [[nodiscard]] bool hasSubscribers() const;
   /// Sends a message without waiting: a subscriber that does not keep up misses all but the newest
-  /// ones, and nobody else does.
+  /// ones; others do not.
   ///
   /// @param message  as CDR, with its encapsulation
   /// @return         whether it was sent
