@@ -82,6 +82,7 @@ class TopicSinkTest : public ::testing::Test {
     result.update.camera.T_odom_robot = T_odom_robot;
     result.update.camera.T_map_odom = T_map_odom;
     result.update.camera.T_map_robot = T_map_odom * T_odom_robot;
+    sink_->onLocal(time, result.update.camera, perception_.map());
     sink_->onFrame(result, perception_);
   }
   void addRate(Time time, double rate) {
@@ -298,6 +299,30 @@ TEST_F(TopicSinkTest, AClockThatIsSetBackIsNamed) {
     addFrame(time += 1.0, planar(0.0), planar(0.0));
     return is_named.load();
   }));
+}
+
+TEST_F(TopicSinkTest, PosesAndObstaclesDoNotWaitForObjects) {
+  map::PerceptionMap map;
+  map.update(std::make_shared<const map::LocalLayer>(10.0));
+  std::set<long> clouds;  // by their stamps [ms]
+  const auto reader = peer_.reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(
+      "rt/headway/obstacles", {}, [&](const auto& message) {
+        const auto& stamp = message.header().stamp();
+        const std::lock_guard lock(mutex_);
+        clouds.insert(std::lround(1e3 * (stamp.sec() + 1e-9 * stamp.nanosec())));
+      });
+  start({});
+  ASSERT_TRUE(waitUntil([&] { return reader->matched() > 0; }));
+  slam::SlamUpdate camera;
+  camera.status = slam::TrackingStatus::kTracked;
+  Time time = 100.0;
+  ASSERT_TRUE(waitUntil([&] {
+    sink_->onLocal(time += 0.2, camera, map);
+    const std::lock_guard lock(mutex_);
+    return !clouds.empty();
+  }));
+  EXPECT_TRUE(waitUntil([&] { return !samples().empty() && samples().back().first >= time; }))
+      << "the odometry of the frame";
 }
 
 TEST_F(TopicSinkTest, PredictedGridsShowWhereSomebodyWillBe) {

@@ -199,6 +199,28 @@ TEST(SessionTest, MisuseOfPerceptionNamesSourceAndFrame) {
   EXPECT_EQ("poses, frame 2: images of another size", failureOf(session));
 }
 
+TEST(SessionTest, SinksKnowThePoseBeforeObjectsAreDetected) {
+  class Early : public Sink {
+   public:
+    void onLocal(Time time, const slam::SlamUpdate& camera,
+                 const map::PerceptionMap& map) override {
+      EXPECT_TRUE(slam::isTracked(camera.status));
+      calls.push_back("local " + std::to_string(std::lround(10.0 * (time - 100.0))) + ", " +
+                      std::to_string(map.movingObjects().tracks().size()) + " tracks");
+    }
+    void onFrame(const FrameResult& result, Perception& perception) override {
+      calls.push_back("frame " + std::to_string(result.update.frame) + ", " +
+                      std::to_string(perception.map().movingObjects().tracks().size()) + " tracks");
+    }
+    std::vector<std::string> calls;
+  } early;
+  PoseSource source(2);
+  Perception perception(nullptr, {});
+  Session(source, perception, {&early}).run();
+  EXPECT_THAT(early.calls, ElementsAre("local 0, 0 tracks", "frame 0, 1 tracks",
+                                       "local 1, 1 tracks", "frame 1, 1 tracks"));
+}
+
 TEST(SessionTest, FramesArePreparedBeforeTheyAreProcessed) {
   PoseSource source(1);
   Perception perception(nullptr, {});

@@ -16,6 +16,7 @@
 #include <mutex>
 
 #include "outgoing_messages.h"
+#include "predicted_grid.h"
 
 namespace headway::ros2 {
 namespace {
@@ -145,42 +146,6 @@ void setLocalState(const map::LocalLayer& local, Time now, GridMessage& grid) {
   }
 }
 
-/// The probability that any object is at each cell, in percent.
-void setOccupancy(const std::vector<map::Obstacle>& obstacles, GridMessage& grid) {
-  constexpr double kReachSigmas = 3.0;  // beyond them less than a percent is left
-  std::vector<double> of_track(grid.cells.size(), 0.0), none(grid.cells.size(), 1.0);
-  const auto end_track = [&] {
-    for (std::size_t i = 0; i < none.size(); ++i) {
-      none[i] *= 1.0 - std::min(of_track[i], 1.0);
-      of_track[i] = 0.0;
-    }
-  };
-  for (std::size_t k = 0; k < obstacles.size(); ++k) {
-    const map::Obstacle& obstacle = obstacles[k];
-    if (k > 0 && !(obstacles[k - 1].id == obstacle.id)) end_track();
-    const double reach = obstacle.shape.radius() +
-                         kReachSigmas * std::sqrt(obstacle.covariance.diagonal().maxCoeff());
-    const auto region = map::contactRegion({}, 0.0, obstacle.shape, obstacle.yaw);
-    const Eigen::Array2i first = ((obstacle.centre - grid.corner).array() - reach)
-                                     .max(0.0)
-                                     .cwiseQuotient(Eigen::Array2d::Constant(grid.cell_m))
-                                     .cast<int>();
-    for (std::size_t y = first.y(); y < grid.height; ++y) {
-      for (std::size_t x = first.x(); x < grid.width; ++x) {
-        const std::size_t i = y * grid.width + x;
-        const Eigen::Vector2d offset = obstacle.centre - centreOf(grid, i);
-        if (offset.x() < -reach || offset.y() < -reach) break;
-        of_track[i] +=
-            obstacle.probability * map::probabilityInside(region, offset, obstacle.covariance);
-      }
-    }
-  }
-  end_track();
-  for (std::size_t i = 0; i < none.size(); ++i) {
-    grid.cells[i] = static_cast<std::int8_t>(std::lround(100.0 * (1.0 - none[i])));
-  }
-}
-
 /// Centres of blocked cells in the robot's frame, one cell above its origin.
 std::vector<Eigen::Vector3f> blockedAround(const map::LocalLayer& local, Time now,
                                            const Pose& T_odom_robot) {
@@ -265,9 +230,14 @@ class TopicSink::Implementation {
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
+  void onLocal(Time time, const slam::SlamUpdate& camera, const map::PerceptionMap& map) {
+    publishPose(time, camera);
+    if (map.local() != nullptr) publishLocal(time, camera.T_odom_robot, map.local());
+  }
+
   void onFrame(const run::FrameResult& result, const pipeline::Perception& perception) {
-    publishPose(result.update);
-    publishNow(result, perception);
+    publishObjects(result, perception);
+    publishPredictions(result.update.time, perception.map(), result.update.camera.T_odom_robot);
     publishMaps(result, perception.map());
   }
 
@@ -346,17 +316,16 @@ class TopicSink::Implementation {
 
   // Poses, by the threads that bring them ------------------------------------------------------
 
-  void publishPose(const pipeline::PerceptionUpdate& update) {
-    const auto& camera = update.camera;
+  void publishPose(Time time, const slam::SlamUpdate& camera) {
     OdometrySample frame;
-    frame.time = update.time;
+    frame.time = time;
     frame.frame = odometry_frame_;
     frame.child = params_.robot_frame;
     frame.T_odom_robot = camera.T_odom_robot;
     frame.covariance = camera.covariance;
     std::optional<Pose> others;
     if (!params_.odom_base && hooks_.others_odometry) {
-      others = hooks_.others_odometry(update.time);
+      others = hooks_.others_odometry(time);
     }
     const std::lock_guard lock(mutex_);
     // A pose that is doubtful or in another submap says nothing about the map.
@@ -369,7 +338,7 @@ class TopicSink::Implementation {
       T_map_others_ = normalized(camera.T_map_robot * others->inverse(Eigen::Isometry));
     }
     bridge_.setFrame(frame);
-    const bool is_set_back = update.time < odometry_.last - MotionBridge::kMaxBridge_s;
+    const bool is_set_back = time < odometry_.last - MotionBridge::kMaxBridge_s;
     if (is_set_back) odometry_.last = 0.0;
     const auto sample = bridge_.newest();
     if (sample && sample->time > odometry_.last) send(*sample);
@@ -399,15 +368,30 @@ class TopicSink::Implementation {
 
   // Everything else, by the sink's threads -----------------------------------------------------
 
-  void publishNow(const run::FrameResult& result, const pipeline::Perception& perception) {
-    if (now_done_.valid() && !isReady(now_done_)) return;
+  void publishLocal(Time time, const Pose& T_odom_robot,
+                    std::shared_ptr<const map::LocalLayer> local) {
+    if (local_done_.valid() && !isReady(local_done_)) return;
+    const bool has_obstacles = obstacles_.isDue(time), has_costmap = local_.isDue(time);
+    if (!has_obstacles && !has_costmap) return;
+    local_done_ = local_work_.run([=, local = std::move(local)] {
+      if (has_obstacles) {
+        publish(obstacles_.publication, cloudMessage(headerOf(time, params_.robot_frame),
+                                                     blockedAround(*local, time, T_odom_robot)));
+      }
+      if (!has_costmap) return;
+      auto grid = windowAround(T_odom_robot, local->reach_m(), local->cell_m(),
+                               headerOf(time, odometry_frame_));
+      setLocalState(*local, time, grid);
+      publish(local_.publication, gridMessage(grid));
+    });
+  }
+
+  void publishObjects(const run::FrameResult& result, const pipeline::Perception& perception) {
+    if (objects_done_.valid() && !isReady(objects_done_)) return;
     const Time time = result.update.time;
     std::vector<Topic*> due;
-    for (Topic* topic : {&obstacles_, &detections_, &moving_, &local_, &markers_}) {
+    for (Topic* topic : {&detections_, &moving_, &markers_}) {
       if (topic->isDue(time)) due.push_back(topic);
-    }
-    for (Topic& topic : predicted_) {
-      if (topic.isDue(time)) due.push_back(&topic);
     }
     std::vector<DiagnosticLine> health;
     if (diagnostics_.isDue(time)) {
@@ -417,44 +401,42 @@ class TopicSink::Implementation {
       checkSubscribers();
     }
     if (due.empty() && health.empty()) return;
-    now_done_ = now_.run([this, due, health, map = perception.map(), time,
-                          tracks = result.update.tracks_odom,
-                          T_odom_robot = result.update.camera.T_odom_robot]() mutable {
-      for (Topic* topic : due) {
-        auto message = messageOf(topic, map, time, tracks, T_odom_robot);
-        if (!message.empty()) publish(topic->publication, std::move(message));
-      }
-      if (health.empty()) return;
-      if (hooks_.sensors) {
-        for (auto& line : hooks_.sensors()) health.push_back(std::move(line));
-      }
-      health.push_back(outputLine());
-      publish(diagnostics_.publication, diagnosticMessage(time, health));
-    });
+    objects_done_ =
+        objects_work_.run([this, due, health, time, tracks = result.update.tracks_odom]() mutable {
+          for (Topic* topic : due) publish(topic->publication, messageOf(topic, time, tracks));
+          if (health.empty()) return;
+          if (hooks_.sensors) {
+            for (auto& line : hooks_.sensors()) health.push_back(std::move(line));
+          }
+          health.push_back(outputLine());
+          publish(diagnostics_.publication, diagnosticMessage(time, health));
+        });
   }
 
-  /// Empty if there is nothing to say.
-  std::string messageOf(const Topic* topic, const map::PerceptionMap& map, Time time,
-                        const std::vector<Track>& tracks, const Pose& T_odom_robot) const {
+  [[nodiscard]] std::string messageOf(const Topic* topic, Time time,
+                                      const std::vector<Track>& tracks) const {
     const MessageHeader header = headerOf(time, odometry_frame_);
     if (topic == &detections_) return detectionMessage(header, tracks);
-    if (topic == &moving_) return obstacleMessage(header, tracks);
-    if (topic == &markers_) return markerMessage(header, tracks);
-    const auto local = map.local();
-    if (local == nullptr) return "";
-    if (topic == &obstacles_) {
-      return cloudMessage(headerOf(time, params_.robot_frame),
-                          blockedAround(*local, time, T_odom_robot));
+    return topic == &moving_ ? obstacleMessage(header, tracks) : markerMessage(header, tracks);
+  }
+
+  void publishPredictions(Time time, const map::PerceptionMap& map, const Pose& T_odom_robot) {
+    if (map.local() == nullptr || (predicted_done_.valid() && !isReady(predicted_done_))) return;
+    std::vector<std::size_t> due;
+    for (std::size_t i = 0; i < predicted_.size(); ++i) {
+      if (predicted_[i].isDue(time)) due.push_back(i);
     }
-    if (topic == &local_) {
-      auto grid = windowAround(T_odom_robot, local->reach_m(), local->cell_m(), header);
-      setLocalState(*local, time, grid);
-      return gridMessage(grid);
-    }
-    const double horizon_s = 0.5 * static_cast<double>(1 + (topic - predicted_.data()));
-    auto grid = windowAround(T_odom_robot, local->reach_m(), 2.0 * local->cell_m(), header);
-    setOccupancy(map.inOdometryAt(time).obstaclesAt(time + horizon_s).items, grid);
-    return gridMessage(grid);
+    if (due.empty()) return;
+    predicted_done_ = predictions_.run([this, time, map, T_odom_robot, due] {
+      const auto& local = *map.local();
+      const auto query = map.inOdometryAt(time);
+      for (const std::size_t i : due) {
+        auto grid = windowAround(T_odom_robot, local.reach_m(), 2.0 * local.cell_m(),
+                                 headerOf(time, odometry_frame_));
+        setOccupancy(query.obstaclesAt(time + 0.5 * static_cast<double>(1 + i)).items, grid);
+        publish(predicted_[i].publication, gridMessage(grid));
+      }
+    });
   }
 
   void publishMaps(const run::FrameResult& result, const map::PerceptionMap& map) {
@@ -499,15 +481,21 @@ class TopicSink::Implementation {
   mutable std::mutex sent_mutex_;
   std::map<std::string, Sent> sent_;  ///< by topic, guarded by sent_mutex_
   std::atomic<bool> is_ending_{false};
-  std::future<void> now_done_, maps_done_, checked_;
+  std::future<void> local_done_, objects_done_, predicted_done_, maps_done_, checked_;
   /// Last: they use the others.
-  WorkerThread now_, maps_{WorkerThread::Priority::kBackground}, checks_;
+  WorkerThread local_work_, objects_work_, checks_;
+  WorkerThread predictions_{WorkerThread::Priority::kBackground};
+  WorkerThread maps_{WorkerThread::Priority::kBackground};
 };
 
 TopicSink::TopicSink(Node& node, const Ros2SinkParams& params, Hooks hooks)
     : implementation_(std::make_unique<Implementation>(node, params, std::move(hooks))) {}
 
 TopicSink::~TopicSink() = default;
+
+void TopicSink::onLocal(Time time, const slam::SlamUpdate& camera, const map::PerceptionMap& map) {
+  implementation_->onLocal(time, camera, map);
+}
 
 void TopicSink::onFrame(const run::FrameResult& result, pipeline::Perception& perception) {
   implementation_->onFrame(result, perception);

@@ -265,7 +265,6 @@ void Mapping::update(const FrameState& state, StageTimes& times) {
     const auto tracks = state.scale.enlarged(state.objects.tracks);
     update(state.frame.time, transformed(tracks, T_map_odom), T_map_odom);
   }
-  updateLocal(state, times);
   updateGrid(state, times);
   updateDense(state, times);
 }

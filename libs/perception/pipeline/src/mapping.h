@@ -128,7 +128,9 @@ class Mapping {
   void remount(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                StageTimes& times);
 
-  /// Takes all that a frame tells.
+  /// Takes what the frame tells of what is blocked now: before objects are detected in it.
+  void updateLocal(const FrameState& state, StageTimes& times);
+  /// Takes all else that a frame tells.
   void update(const FrameState& state, StageTimes& times);
 
   /// Replaces the moving objects, which are in the map.
@@ -177,7 +179,6 @@ class Mapping {
   void discardScans(StageTimes& times);
   void updateStaticMap(const slam::MapView& static_map);
   void updateGrid(const FrameState& state, StageTimes& times);
-  void updateLocal(const FrameState& state, StageTimes& times);
   void updateDense(const FrameState& state, StageTimes& times);
   /// The robot among the frame's laser scans; nullopt while the ground is unknown.
   [[nodiscard]] std::optional<LaserScene> laserScene(const FrameState& state) const;

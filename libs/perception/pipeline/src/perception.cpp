@@ -193,7 +193,7 @@ class Perception::Implementation {
   Implementation(std::shared_ptr<const StereoCamera> rig, const PerceptionParams& params,
                  map::PerceptionMap map);
 
-  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& recorded) {
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& recorded, const LocalCall& on_local) {
     requireUsable(recorded);
     const auto watch = times.watch("frame");
     const auto mounting = localisation.isResumed() ? std::nullopt : health.replacedMounting();
@@ -213,6 +213,8 @@ class Perception::Implementation {
     state.boxes = detection.detectObjects(frame, state.context, is_new,
                                           state.scans_ground || state.scans_local);
     localise(state);
+    mapping.updateLocal(state, times);
+    if (on_local) on_local(state.camera, mapping.map());
     state.found = detect(state);
     state.disparity_offset = localisation.disparityOffset(state);
     odometry.add(frame.index, state.camera.T_map_odom);
@@ -501,8 +503,8 @@ Perception::Perception(std::shared_ptr<const StereoCamera> camera, const Percept
 
 Perception::~Perception() = default;
 
-PerceptionUpdate Perception::process(const RecordedFrame& frame) {
-  return implementation_->process(frame);
+PerceptionUpdate Perception::process(const RecordedFrame& frame, const LocalCall& on_local) {
+  return implementation_->process(frame, on_local);
 }
 
 void Perception::resume(const map::StoredMap& stored) {

@@ -57,8 +57,11 @@ std::optional<FrameResult> Session::processNext() {
 void Session::processFrame(FrameResult& result) {
   const double processor_before = processorSeconds();
   result.start_s = options_.clock();
+  const auto on_local = [&](const slam::SlamUpdate& camera, const map::PerceptionMap& map) {
+    for (Sink* sink : sinks_) sink->onLocal(result.frame.time, camera, map);
+  };
   try {
-    result.update = perception_.process(result.frame);
+    result.update = perception_.process(result.frame, on_local);
     const auto* fatal = result.update.fatalFinding();
     if (fatal != nullptr && options_.end_at_fatal_finding) throw InputError(fatal->text);
   } catch (const InputError& error) {

@@ -28,9 +28,9 @@ struct DiagnosticLine {
 
 /// Publishes poses, maps, obstacles, tracks and health; doc/ros2.md lists the topics.
 ///
-/// Transforms and odometry are sent by the session's thread at once, everything else by two threads
-/// of the sink: what is due while they are still at work is left out, so that the session never
-/// waits. Nothing is made for a topic without subscribers; the topics of subscribers that have not
+/// Transforms and odometry are sent by the session's thread at once, everything else by threads of
+/// the sink: what is due while they are still at work is left out, so that the session never waits.
+/// Poses, obstacles and the local costmap do not wait for the frame's objects. Nothing is made for a topic without subscribers; the topics of subscribers that have not
 /// taken a message within a second are named in /diagnostics.
 ///
 ///     TopicSink sink(node, params);
@@ -48,6 +48,7 @@ class TopicSink : public run::Sink {
   TopicSink(Node& node, const Ros2SinkParams& params, Hooks hooks = {});
   ~TopicSink() override;
 
+  void onLocal(Time time, const slam::SlamUpdate& camera, const map::PerceptionMap& map) override;
   void onFrame(const run::FrameResult& result, pipeline::Perception& perception) override;
 
   /// An observation that the session gets, too: wheels and gyroscopes move the odometry on between

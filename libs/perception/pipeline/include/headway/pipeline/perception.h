@@ -27,6 +27,9 @@ struct PerceptionCallbacks {
   std::function<void(const map::PerceptionMap&)> on_map;
 };
 
+/// What a robot needs first of a frame: its pose, and a map with what is blocked now.
+using LocalCall = std::function<void(const slam::SlamUpdate&, const map::PerceptionMap&)>;
+
 struct JointMap;
 
 /// A part of the map that is not joined to the rest.
@@ -89,7 +92,10 @@ class Perception {
   ///         it was. Any other exception (no memory, a callback) leaves an object that can be read,
   ///         stored and given the next frame: that follows the last frame that was completed; the
   ///         interrupted one may be part of trajectory, tracks and map, or not.
-  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame);
+  ///
+  /// @param on_local  called with the frame's pose and a map with what is blocked now, before
+  ///                  objects are detected; tracks, and grid, are still those of the frame before
+  [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame, const LocalCall& on_local = {});
 
   /// The camera of the frames, with its mounting. Where none is stated (it is less than 0.05 m
   /// above the robot's origin) it is that of a loaded map, or by the floor in view, as soon as that

@@ -134,6 +134,11 @@ struct FrameResult {
 class Sink {
  public:
   virtual ~Sink() = default;
+  /// Within each frame, before objects are detected in it, for who needs that early: its pose, and
+  /// a map with what is blocked now, all else as after the frame before. An exception ends the
+  /// session.
+  virtual void onLocal(Time /*time*/, const slam::SlamUpdate& /*camera*/,
+                       const map::PerceptionMap& /*map*/) {}
   /// After each frame. An exception ends the session.
   virtual void onFrame(const FrameResult& result, pipeline::Perception& perception) = 0;
   /// No frame follows: the text of the exception that ended the session, or nullopt at the end of
