@@ -117,6 +117,7 @@ int runRosbag(int argc, const char** argv) {
   if (options->list) return listTopics(*options);
   const ImportOutput output(options->output, options->check);
   options->output = output.path();
+  program::registerDataset(options->bag);
   program::requireWritable(options->output, options->overwrite,
                            {options->bag, options->import.calibration});
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // headway-live: the cameras and sensors of a robot to trajectory, tracks, predictions and map.
 #include <headway/core/error.h>
+#include <headway/core/input_files.h>
 #include <headway/core/text.h>
 #include <headway/core/worker_thread.h>
 #include <headway/drivers/observation_recorder.h>
@@ -56,6 +57,24 @@ struct LiveOptions {
   live::Ros2Options ros2;
   std::string initial_pose;  ///< X,Y,YAW in the loaded map; empty: unknown
 };
+
+mrpt::config::CConfigFile readSensors(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) {
+    throw InputError(path + ": no such file of sensors");
+  }
+  return mrpt::config::CConfigFile(path);
+}
+
+/// Rawlogs that drivers play are inputs.
+void registerRecordings(const std::string& sensors) {
+  if (sensors.empty()) return;
+  const auto configuration = readSensors(sensors);
+  std::vector<std::string> sections;
+  configuration.getAllSections(sections);
+  for (const auto& section : sections) {
+    registerInput(configuration.read_string(section, "rawlog_file", ""));
+  }
+}
 
 /// Adds the options to a command line.
 void describe(LiveOptions& options, program::CommandLine& line) {
@@ -141,6 +160,7 @@ void check(const LiveOptions& options) {
     if (std::filesystem::path(options.record).extension() == ".zst") {
       throw UsageError("--record: recordings are compressed by gzip; name it OUT.rawlog");
     }
+    registerRecordings(options.sensors);
     program::requireWritable(options.record, options.run.overwrite,
                              {options.sensors, options.calibration, options.run.load_map});
   }
@@ -169,13 +189,6 @@ void calibrate(const io::RawStereoCamera& camera, const std::string& labels,
     const bool is_left = label == labels.substr(0, comma);
     if (is_left || label == labels.substr(comma + 1)) io::setCalibration(camera, is_left, *image);
   }
-}
-
-mrpt::config::CConfigFile readSensors(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) {
-    throw InputError(path + ": no such file of sensors");
-  }
-  return mrpt::config::CConfigFile(path);
 }
 
 void warn(const std::string& text) {

@@ -135,9 +135,11 @@ void Recordings::run() {
     keep(std::current_exception());
   }
   complete();
+  if (failure_ && folder_.hasOldResults()) keepOldResults();
   writeRecord();
   folder_.publish();
   if (!options_.quiet) report();
+  if (!failure_) failure_ = truncation_;
   if (failure_) std::rethrow_exception(failure_);
 }
 
@@ -226,9 +228,20 @@ void Recordings::complete() {
   for (Recording& recording : recordings_) {
     try {
       recording.replay->complete();
+    } catch (const TruncatedInput&) {
+      if (!truncation_) truncation_ = std::current_exception();
     } catch (...) {
       keep(std::current_exception());
     }
+  }
+}
+
+void Recordings::keepOldResults() const {
+  try {
+    std::rethrow_exception(failure_);
+  } catch (const std::exception& error) {
+    throw InputError(error.what() + ("; the old results in " + folder_.published().string()) +
+                     " remain, the new ones are in " + folder_.path().string());
   }
 }
 

@@ -73,6 +73,8 @@ class Recordings {
   void writeRecord() const;
   void report() const;
   void keep(std::exception_ptr failure);
+  /// @throws the failure, with where old and new results are
+  [[noreturn]] void keepOldResults() const;
   [[nodiscard]] std::string namesOf(const MapOfRecordings& map) const;
 
   Options options_;
@@ -80,7 +82,8 @@ class Recordings {
   program::OutputFolder folder_;
   std::vector<Recording> recordings_;
   std::vector<MapOfRecordings> maps_;
-  std::exception_ptr failure_;  ///< the first one
+  std::exception_ptr failure_;     ///< the first one
+  std::exception_ptr truncation_;  ///< the first one, of which all is written
 };
 
 }  // namespace headway::replay

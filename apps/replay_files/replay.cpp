@@ -384,8 +384,8 @@ void Replay::complete() {
   }
   folder_.publish();
   if (const auto truncation = source_->report().truncation) {
-    throw InputError(*truncation + "; the part before was processed and written to " +
-                     published().string());
+    throw TruncatedInput(*truncation + "; the part before was processed and written to " +
+                         published().string());
   }
 }
 

@@ -2,6 +2,7 @@
 // A run over a rawlog or live sensors, with its folder of results.
 #pragma once
 
+#include <headway/core/error.h>
 #include <headway/pipeline/perception.h>
 #include <headway/program/files.h>
 #include <headway/program/progress.h>
@@ -25,6 +26,12 @@ namespace headway::replay {
 
 /// Checks the value of --detector. @throws program::UsageError
 void checkDetector(const std::string& names);
+
+/// The rawlog ends early; the part before was processed and its results are published.
+class TruncatedInput : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// Processes a rawlog, or live sensors, and writes a folder of results: a session with the sink of
 /// all files.

@@ -161,6 +161,46 @@ TEST(ProtectedFoldersTest, TheirFilesAreInputs) {
   EXPECT_THAT(other.output, testing::Not(testing::HasSubstr("is an input")));
 }
 
+TEST(ProtectedFoldersTest, FilesOfADatasetOrABagAreInputs) {
+  const test::TemporaryFolder folder;
+  for (const char* name :
+       {"left/0.png", "right/0.png", "lens.yaml", "bag/metadata.yaml", "bag/0.mcap"}) {
+    std::filesystem::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name) << "kept\n";
+  }
+  const std::string root = folder.path().string() + "/";
+  for (const std::string& call :
+       {"images --left " + root + "left --right " + root + "right --calibration " + root +
+            "lens.yaml -w -o " + root + "left/0.png",
+        "rosbag " + root + "bag -w -o " + root + "bag/0.mcap"}) {
+    const auto result = test::runProcess(test::program("headway-import") + " " + call);
+    EXPECT_EQ(1, result.status);
+    EXPECT_THAT(result.output, testing::HasSubstr("is an input and would be overwritten")) << call;
+  }
+  for (const char* name : {"left/0.png", "bag/0.mcap"}) {
+    EXPECT_EQ("kept\n", test::contentsOf(folder / name));
+  }
+  std::ofstream(folder / "bag/old.rawlog") << "of an import before\n";
+  const auto again = test::runProcess(test::program("headway-import") + " rosbag " + root +
+                                      "bag -w -o " + root + "bag/old.rawlog");
+  EXPECT_THAT(again.output, testing::Not(testing::HasSubstr("is an input")));
+}
+
+TEST(ProtectedFoldersTest, ARawlogThatADriverPlaysIsAnInput) {
+  const test::TemporaryFolder folder;
+  const std::string rawlog = folder / "played.rawlog", sensors = folder / "sensors.ini";
+  std::ofstream(rawlog) << "kept\n";
+  std::ofstream(sensors)
+      << "[camera]\ndriver = CCameraSensor\ngrabber_type = rawlog\nrawlog_file = " << rawlog
+      << "\n";
+  const auto result =
+      test::runProcess(test::program("headway-live") + " --sensors " + sensors + " -o " +
+                       (folder / "out").string() + " -w --record " + rawlog);
+  EXPECT_EQ(1, result.status);
+  EXPECT_THAT(result.output, testing::HasSubstr("is an input and would be overwritten"));
+  EXPECT_EQ("kept\n", test::contentsOf(rawlog));
+}
+
 TEST(ProtectedFoldersTest, WhatAParameterNamesIsAnInput) {
   const test::TemporaryFolder folder;
   const std::string network = folder / "network.onnx";

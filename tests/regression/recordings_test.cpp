@@ -26,10 +26,24 @@ using Trajectory = std::vector<Stamped<Pose>>;
 
 const std::string kRawlogs = std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/";
 
-/// Copies the stereo pairs from `first` to before `end`, mirrored if wanted: as of another
-/// place.
+using Change = std::function<void(mrpt::obs::CObservationStereoImages&)>;
+
+/// As of another place.
+void mirror(mrpt::obs::CObservationStereoImages& stereo) {
+  cv::Mat left, right;
+  cv::flip(stereo.imageLeft.asCvMat<cv::Mat>(mrpt::img::SHALLOW_COPY), right, 1);
+  cv::flip(stereo.imageRight.asCvMat<cv::Mat>(mrpt::img::SHALLOW_COPY), left, 1);
+  stereo.imageLeft = mrpt::img::CImage(left, mrpt::img::DEEP_COPY);
+  stereo.imageRight = mrpt::img::CImage(right, mrpt::img::DEEP_COPY);
+}
+
+void blacken(mrpt::obs::CObservationStereoImages& stereo) {
+  for (auto* image : {&stereo.imageLeft, &stereo.imageRight}) image->asCvMatRef().setTo(0);
+}
+
+/// Copies the stereo pairs from `first` to before `end`, changed if wanted.
 void cut(const std::string& from, const std::string& to, int first, int end,
-         bool mirrored = false) {
+         const Change& change = {}) {
   mrpt::io::CFileGZInputStream in(from);
   mrpt::io::CFileGZOutputStream out(to);
   auto source = mrpt::serialization::archiveFrom(in);
@@ -38,13 +52,7 @@ void cut(const std::string& from, const std::string& to, int first, int end,
     const auto object = source.ReadObject();
     auto* stereo = dynamic_cast<mrpt::obs::CObservationStereoImages*>(object.get());
     if (stereo == nullptr || pair++ < first) continue;
-    if (mirrored) {
-      cv::Mat left, right;
-      cv::flip(stereo->imageLeft.asCvMat<cv::Mat>(mrpt::img::SHALLOW_COPY), right, 1);
-      cv::flip(stereo->imageRight.asCvMat<cv::Mat>(mrpt::img::SHALLOW_COPY), left, 1);
-      stereo->imageLeft = mrpt::img::CImage(left, mrpt::img::DEEP_COPY);
-      stereo->imageRight = mrpt::img::CImage(right, mrpt::img::DEEP_COPY);
-    }
+    if (change) change(*stereo);
     target << *stereo;
   }
 }
@@ -95,7 +103,7 @@ class RecordingsTest : public ::testing::Test {
 };
 
 TEST_F(RecordingsTest, OfOnePlaceGetOneMapInAnyOrderAndOfAnotherStayApart) {
-  cut(kRawlogs + "street.rawlog", folder_ / "elsewhere.rawlog", 0, 15, true);
+  cut(kRawlogs + "street.rawlog", folder_ / "elsewhere.rawlog", 0, 15, mirror);
   const auto forward = replay({"begin", "elsewhere", "end"}, "forward", "-q");
   ASSERT_EQ(0, forward.status) << forward.output;
   EXPECT_THAT(forward.output, HasSubstr("elsewhere: shares no place with begin, end"));
@@ -158,6 +166,18 @@ TEST_F(RecordingsTest, ATruncatedOneIsSaidAndDoesNotHinderTheOthers) {
   EXPECT_EQ(30U, path("out/begin").size());
   EXPECT_TRUE(std::filesystem::exists(at("out/map.headway")));
   EXPECT_EQ(1, replay({"end", "begin"}, "out", "-q").status) << "not without -w";
+}
+
+TEST_F(RecordingsTest, OneOfWhichNothingIsTrackedReplacesNoGoodResults) {
+  ASSERT_EQ(0, replay({"begin", "end"}, "out", "-q").status);
+  const auto before = test::contentsOf(at("out/begin/trajectory.tum"));
+  cut(kRawlogs + "street.rawlog", folder_ / "begin.rawlog", 0, 30, blacken);
+  const auto run = replay({"begin", "end"}, "out", "-q -w");
+  EXPECT_EQ(1, run.status);
+  EXPECT_THAT(run.output, HasSubstr("none of 30 frames was tracked"));
+  EXPECT_THAT(run.output, HasSubstr("the old results in " + at("out") + " remain"));
+  EXPECT_EQ(before, test::contentsOf(at("out/begin/trajectory.tum")));
+  EXPECT_EQ(30U, path("out/unfinished/end").size()) << "what the others gave is not lost";
 }
 
 }  // namespace

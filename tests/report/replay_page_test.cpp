@@ -13,6 +13,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <random>
 
 namespace headway::report {
 namespace {
@@ -71,21 +72,25 @@ class ReplayPageTest : public ::testing::Test {
                    options_.images[frame]);
     }
     io::writeTum(folder_ / "trajectory.tum", path);
-    writeCloud();
+    writeCloud("map_dense.ply", groundAndWall());
     writeCamera();
     options_.title = "<img src=x onerror=alert(1)> & co";
     options_.keyframes = {path[0], path[10], path[20]};
   }
 
   /// Ground and a wall on the right.
-  void writeCloud() const {
+  [[nodiscard]] static std::vector<std::array<float, 3>> groundAndWall() {
     std::vector<std::array<float, 3>> points;
     for (int i = 0; i < 200; ++i) {
       const float x = 0.25F * static_cast<float>(i);
       for (int k = -20; k < 20; ++k) points.push_back({x, 0.4F * static_cast<float>(k), 0.0F});
       for (int k = 0; k < 20; ++k) points.push_back({x, -8.0F, 0.2F * static_cast<float>(k)});
     }
-    std::ofstream file(folder_ / "map_dense.ply", std::ios::binary);
+    return points;
+  }
+
+  void writeCloud(const char* name, const std::vector<std::array<float, 3>>& points) const {
+    std::ofstream file(folder_ / name, std::ios::binary);
     file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size()
          << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
             "property uchar green\nproperty uchar blue\nend_header\n";
@@ -170,6 +175,58 @@ TEST_F(ReplayPageTest, OfVeryManyBoxesTheNearestAreShownAndTheRestIsSaid) {
   ASSERT_EQ(2U, notes.size());
   EXPECT_THAT(notes[0], HasSubstr("40020 of 60000 boxes are left out: at most the nearest 333"));
   EXPECT_THAT(notes[1], HasSubstr("predictions of 6660 boxes are left out"));
+}
+
+TEST_F(ReplayPageTest, OfEverythingAtOnceHasAtMostFifteenMegabytes) {
+  std::mt19937 random(7);
+  std::vector<std::array<float, 3>> points(700000);
+  std::uniform_real_distribution<float> metres(-100.0F, 100.0F);
+  for (auto& point : points) point = {metres(random), metres(random), metres(random)};
+  for (const char* name : {"map_dense.ply", "map_points.ply"}) writeCloud(name, points);
+  cv::Mat noise(1100, 2300, CV_8U);
+  cv::randu(noise, 0, 256);
+  cv::imwrite((folder_ / "map_grid.png").string(), noise);
+  std::ofstream(folder_ / "map_grid.yaml")
+      << "image: map_grid.png\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\n"
+         "occupied_thresh: 0.65\nfree_thresh: 0.2\n";
+  PageImages images;
+  cv::Mat image(480, 640, CV_8UC3);
+  for (std::size_t i = 0; i < 300; ++i) {
+    cv::randu(image, 0, 256);
+    images.add(i, image);
+  }
+  options_.images = images.jpegs();
+  options_.keyframes.assign(20000, {timeOf(0), Pose::Identity()});
+  std::vector<Stamped<Pose>> path;
+  {
+    std::ofstream tracks(folder_ / "tracks.csv"), predictions(folder_ / "predictions.csv");
+    tracks << io::trackCsvHeader() << '\n';
+    predictions << io::predictionCsvHeader() << '\n';
+    for (std::size_t frame = 0; frame < 2500; ++frame) {
+      const Time time = timeOf(static_cast<int>(frame));
+      path.push_back({time, Pose(Eigen::Translation3d(metres(random), metres(random), 0.0))});
+      for (std::int64_t i = 0; i < 10; ++i) {
+        Track track = tracksAt(0)[0];
+        track.id = TrackId{i};
+        track.position << metres(random), metres(random), 0.5;
+        io::writeTrackCsv(tracks, {frame, time, track});
+        for (int k = 1; k <= 6; ++k) {
+          io::PredictionRow row{frame, time, track.id, track.object_class, 0, 1.0, {}};
+          row.point.horizon_s = 0.5 * k;
+          row.point.position << metres(random), metres(random), 0.5;
+          row.point.covariance = Eigen::Matrix2d::Identity();
+          io::writePredictionCsv(predictions, row);
+        }
+      }
+    }
+  }
+  io::writeTum(folder_ / "trajectory.tum", path);
+  std::filesystem::create_directories(folder_ / "truth");
+  io::writeTum(folder_ / "truth/trajectory.tum", path);
+  options_.truth = folder_ / "truth";
+  const auto bytes = std::filesystem::file_size(write());
+  EXPECT_LT(bytes, 15'000'000U);
+  EXPECT_GT(bytes, 8'000'000U) << "not for want of contents";
 }
 
 TEST_F(ReplayPageTest, SaysThatARunDidNotEnd) {

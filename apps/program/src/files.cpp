@@ -132,6 +132,19 @@ void registerInputsIn(const fs::path& folder) {
   }
 }
 
+void registerDataset(const fs::path& folder) {
+  if (folder.empty()) return;
+  std::error_code unreadable;
+  const auto options = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator entry(folder, options, unreadable), end;
+       !unreadable && entry != end; entry.increment(unreadable)) {
+    const fs::path name = entry->path().filename();
+    const bool is_rawlog =
+        name.extension() == ".rawlog" || fs::path(name.stem()).extension() == ".rawlog";
+    if (!is_rawlog) registerInput(entry->path());
+  }
+}
+
 std::string readFile(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream bytes;

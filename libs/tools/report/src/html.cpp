@@ -5,6 +5,7 @@
 #include <headway/core/error.h>
 #include <headway/io/image_file.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -101,9 +102,17 @@ std::string pictureUri(const std::filesystem::path& path, int max_width) {
 GridPicture gridPicture(const std::filesystem::path& path) {
   const cv::Mat grey = io::loadGreyImage(path.string());
   if (grey.empty()) throw InputError(path.string() + ": is not a readable picture");
-  cv::Mat picture(grey.size(), CV_8UC4, cv::Scalar::all(0));
-  picture.setTo(cv::Scalar(132, 168, 96, 110), grey > 230);
-  picture.setTo(cv::Scalar(72, 92, 226, 235), grey < 100);
+  cv::Mat free = grey > 230, occupied = grey < 100;
+  constexpr double kMaxSide = 1600.0;  // [px], as of the live page
+  const double scale = kMaxSide / std::max(grey.cols, grey.rows);
+  if (scale < 1.0) {
+    for (cv::Mat* cells : {&free, &occupied}) {
+      cv::resize(*cells, *cells, {}, scale, scale, cv::INTER_AREA);
+    }
+  }
+  cv::Mat picture(free.size(), CV_8UC4, cv::Scalar::all(0));
+  picture.setTo(cv::Scalar(132, 168, 96, 110), free > 127);
+  picture.setTo(cv::Scalar(72, 92, 226, 235), occupied > 0);  // a single cell remains
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", picture, bytes);
   return {"data:image/png;base64," + base64(bytes), grey.cols, grey.rows};

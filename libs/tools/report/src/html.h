@@ -47,8 +47,8 @@ namespace headway::report {
 ///
 /// @throws InputError if the picture cannot be read
 struct GridPicture {
-  std::string uri;
-  int width = 0;
+  std::string uri;  ///< at most 1600 px a side
+  int width = 0;    ///< of the grid [cells]
   int height = 0;
 };
 [[nodiscard]] GridPicture gridPicture(const std::filesystem::path& path);

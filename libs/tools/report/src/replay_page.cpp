@@ -29,13 +29,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMaxStep = 65535.0;  // of 16 bits
 
-/// What keeps a page small enough to be opened.
+/// What keeps a page below 15 MB.
 struct PageLimits {
-  std::size_t frames = 2000, true_poses = 4000;
-  std::size_t images = 160;
+  std::size_t frames = 2000, true_poses = 4000, keyframes = 4000;
+  std::size_t images = 160, image_bytes = 2500000;
   int image_width = 448;  ///< [px]; about 15 kB each
   int image_quality = 65;
-  std::size_t dense_points = 600000, landmarks = 60000;
+  std::size_t dense_points = 450000, landmarks = 60000;
   std::size_t boxes = 20000, prediction_points = 80000;  ///< of all frames
 };
 constexpr PageLimits kLimits{};
@@ -306,7 +306,10 @@ Json pageData(const fs::path& folder, const std::vector<ReplayFrame>& frames,
                {"keyframes", Json::array()}};
   const fs::path record = folder / "replay.json";
   addRig(fs::exists(record) ? readJson(record) : Json(), data);
-  for (const auto& keyframe : keyframes) data["keyframes"].push_back(poseJson(keyframe.value));
+  const std::size_t step = 1 + keyframes.size() / kLimits.keyframes;
+  for (std::size_t i = 0; i < keyframes.size(); i += step) {
+    data["keyframes"].push_back(poseJson(keyframes[i].value));
+  }
   return data;
 }
 
@@ -349,10 +352,12 @@ void writePageData(std::ostream& out, const Json& data, const std::vector<Replay
 
 void PageImages::add(std::size_t frame, const cv::Mat& image) {
   if (image.empty() || added_++ % step_ != 0) return;
-  jpegs_[frame] = jpegOf(image, kLimits.image_width, kLimits.image_quality);
-  if (jpegs_.size() <= kLimits.images) return;
+  bytes_ += (jpegs_[frame] = jpegOf(image, kLimits.image_width, kLimits.image_quality)).size();
+  if (jpegs_.size() <= kLimits.images && bytes_ <= kLimits.image_bytes) return;
+  bytes_ = 0;
   std::size_t position = 0;
   for (auto jpeg = jpegs_.begin(); jpeg != jpegs_.end(); ++position) {
+    if (position % 2 == 0) bytes_ += jpeg->second.size();
     jpeg = position % 2 == 0 ? std::next(jpeg) : jpegs_.erase(jpeg);
   }
   step_ *= 2;

@@ -31,6 +31,9 @@ namespace headway::program {
 /// is read may receive other files, pages and pictures.
 void registerInputsIn(const std::filesystem::path& folder);
 
+/// registerInput() for all files below the folder of a dataset but rawlogs, which imports write.
+void registerDataset(const std::filesystem::path& folder);
+
 /// @throws InputError if the file cannot be read
 [[nodiscard]] std::string readFile(const std::filesystem::path& path);
 

@@ -35,6 +35,7 @@ class PageImages {
  private:
   std::size_t added_ = 0;
   std::size_t step_ = 1;
+  std::size_t bytes_ = 0;
   JpegByFrame jpegs_;
 };
 
@@ -51,7 +52,7 @@ struct ReplayPageOptions {
 ///
 /// Shows the map (`map_dense.ply`, `map_points.ply`, `map_grid.yaml`), the robot's path and images,
 /// boxes, their trails and predictions, and the truth. Of long runs at most 2000 frames are shown,
-/// of large maps at most 600,000 points. Missing files are left out. The page loads nothing from
+/// of large maps at most 450,000 points. Missing files are left out. The page loads nothing from
 /// elsewhere, and its Content-Security-Policy allows no scripts but its own. The same folder and
 /// options give the same bytes.
 ///
