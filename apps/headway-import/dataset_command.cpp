@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <initializer_list>
 #include <iostream>
 #include <map>
@@ -376,9 +377,15 @@ ImportSummary importDataset(const io::Dataset& dataset, const ImportOptions& opt
 void requireUsablePairs(const std::string& rawlog) {
   io::RawlogSource source(rawlog, {});
   std::optional<Time> begin;
-  while (const auto frame = source.next()) {
-    if (!begin) begin = frame->time;
-    if (frame->time - *begin > 2.5) return;  // it is decided by then at any usual rate
+  try {
+    while (const auto frame = source.next()) {
+      if (!begin) begin = frame->time;
+      if (frame->time - *begin > 2.5) return;  // it is decided by then at any usual rate
+    }
+  } catch (const InputError&) {
+    std::error_code ignored;
+    std::filesystem::remove(rawlog, ignored);  // what is refused is not there to be replayed
+    throw;
   }
 }
 

@@ -267,6 +267,21 @@ TEST_F(LiveProgramTest, SaysAtOnceWhatIsMissing) {
   EXPECT_EQ(1, no_rawlog.status);
   EXPECT_THAT(no_rawlog.output,
               HasSubstr("[CAM] rawlog_file = /no/such.rawlog: no such file or folder\n"));
+  std::filesystem::create_directory(folder_ / "none");
+  std::ofstream(folder_ / "empty.rawlog");
+  std::ofstream(folder_ / "pointer.rawlog") << "version https://git-lfs.github.com/spec/v1\n";
+  const std::string root = folder_.path().string() + "/";
+  for (const auto& [source, fault] :
+       {std::pair("rawlog\nrawlog_file = " + root + "empty.rawlog", "empty.rawlog: is empty\n"),
+        {"rawlog\nrawlog_file = " + root + "pointer.rawlog", "run git lfs pull\n"},
+        {"image_dir\nleft_format = %d.png\nimage_dir_url = " + root + "none",
+         "none: is empty\n"}}) {
+    const auto ended =
+        live("--sensors " + sensors(camera + source + "\n") + " -o " + out, frames(1));
+    EXPECT_EQ(1, ended.status);
+    EXPECT_THAT(ended.output, HasSubstr(fault));
+    EXPECT_THAT(ended.output, Not(HasSubstr("again"))) << "what does not come is not waited for";
+  }
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }
 

@@ -300,6 +300,11 @@ TEST_F(DatasetTest, TimesOfImagesAreTakenInTheDocumentedOrder) {
   write("c.yaml", calibration + "frame_rate_hz: 4\n");
   EXPECT_EQ((Times{0, 0.25, 0.5}), timesOf(*open()));
   EXPECT_EQ((Times{0, 0.5, 1}), timesOf(*open({2.0, ""})));
+  write("n/times.txt", "4\n5\n");
+  EXPECT_EQ((Times{0, 0.5, 1}), timesOf(*open({2.0, ""}))) << "what is not used may be short";
+  EXPECT_EQ((Times{0, 0.25, 0.5}), timesOf(*open()));
+  write("c.yaml", calibration);
+  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("times.txt: has 2 times for 3"));
   write("t", "1\n3\n7\n");
   EXPECT_EQ((Times{1, 3, 7}), timesOf(*open({0.0, folder_ / "t"})));
   write("t", "1\nnan\n7\n");

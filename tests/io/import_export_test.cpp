@@ -387,6 +387,7 @@ TEST_F(ImportExportTest, PairsThatDoNotMatchAreRefusedAsByAReplay) {
   const auto refused = imported("other", "");
   EXPECT_EQ(1, refused.status);
   EXPECT_THAT(refused.output, HasSubstr("x.rawlog: stereo images: nothing matches"));
+  EXPECT_FALSE(std::filesystem::exists(at("x.rawlog"))) << "nothing is left to be replayed";
 }
 
 TEST_F(ImportExportTest, CtrlCLeavesAReadableRawlog) {

@@ -3,6 +3,7 @@
 #include <headway/core/error.h>
 #include <headway/drivers/sensor_group.h>
 #include <headway/io/detection_observation.h>
+#include <headway/io/image_file.h>
 #include <headway/io/raw_camera.h>
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/hwdrivers/CGenericSensor.h>
@@ -126,8 +127,11 @@ class SensorGroup::Implementation {
                    const std::string& grabber) const {
     const std::string path = configuration_.read_string(section, key, "");
     const std::string type = configuration_.read_string(section, "grabber_type", grabber);
-    if (path.empty() || type != grabber || std::filesystem::exists(path)) return;
-    throw InputError("[" + section + "] " + key + " = " + path + ": no such file or folder");
+    if (path.empty() || type != grabber) return;
+    std::string fault = std::filesystem::exists(path) ? "" : "no such file or folder";
+    if (fault.empty() && std::filesystem::is_empty(path)) fault = "is empty";
+    if (fault.empty()) fault = io::lfsPointerFault(path);
+    if (!fault.empty()) throw InputError("[" + section + "] " + key + " = " + path + ": " + fault);
   }
 
   /// A sensor's thread: starts it until it is to be stopped.

@@ -53,10 +53,10 @@ class ImageFolder : public ImageSequence {
       const fs::path file = place / kTimesFile;
       if (!times_.empty() || !fs::is_regular_file(file)) continue;
       times_ = readTimes(file.string());
-      requireTimesFor(size(), file.string(), times_);
-      times_.resize(size());
+      times_file_ = file.string();
     }
-    if (times_.empty()) readNames();
+    if (times_.size() > size()) times_.resize(size());
+    if (times_file_.empty()) readNames();
   }
 
   [[nodiscard]] const std::string& name() const override { return folder_; }
@@ -66,6 +66,7 @@ class ImageFolder : public ImageSequence {
     return requireImage(paths_.at(index));
   }
   [[nodiscard]] const std::vector<Time>& times() const override { return times_; }
+  [[nodiscard]] const std::string& timesFile() const override { return times_file_; }
 
  private:
   /// Takes the times and their order from the names, if all have one, of one unit and each its own.
@@ -91,7 +92,13 @@ class ImageFolder : public ImageSequence {
   std::string folder_;
   std::vector<std::string> paths_;
   std::vector<Time> times_;
+  std::string times_file_;
 };
+
+/// Whether each image has a time.
+bool hasTimes(const ImageSequence& images) {
+  return !images.times().empty() && images.times().size() == images.size();
+}
 
 /// Images of two cameras that belong together, and when they were taken.
 class ImagePairs {
@@ -102,13 +109,19 @@ class ImagePairs {
   ImagePairs(const ImageSequence& left, const ImageSequence& other, const ImageTimes& stated,
              double max_gap_s) {
     if (left.size() == 0) throw InputError(left.name() + ": contains no images");
-    const bool have_times = !left.times().empty() && !other.times().empty();
+    const bool is_rate_stated = stated.rate_hz > 0.0;
+    const bool are_stated = is_rate_stated || !stated.file.empty();
+    for (const ImageSequence* side : {&left, &other}) {
+      if (!are_stated && !side->times().empty()) {
+        requireTimesFor(side->size(), side->timesFile(), side->times());
+      }
+    }
+    const bool have_times = hasTimes(left) && hasTimes(other);
     if (have_times) {
       pairByTime(left, other, max_gap_s);
     } else {
       pairByOrder(left, other);
     }
-    const bool is_rate_stated = stated.rate_hz > 0.0;
     if (!stated.file.empty()) {
       times_ = readTimes(stated.file);
       requireTimesFor(left.size(), stated.file, times_);

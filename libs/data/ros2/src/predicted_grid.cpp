@@ -50,14 +50,14 @@ std::vector<CellShare> footprintCells(const map::Obstacle& obstacle, const Eigen
 
 /// Probabilities of steps of whole cells, which sum up to 1.
 std::vector<CellShare> steps(const Eigen::Matrix2d& covariance, double cell_m) {
-  constexpr double kSigmas = 3.0;      // beyond them about a percent is left
-  constexpr double kMaxCells = 100.0;  // what is spread farther is as probable as within them
+  constexpr double kSigmas = 3.0;  // beyond them about a percent is left
   // That of a place within its cell is part of it, so that small ones are more than one sample.
   const Eigen::Matrix2d in_cells =
       covariance / (cell_m * cell_m) + Eigen::Matrix2d::Identity() / 12.0;
   const Eigen::Matrix2d information = in_cells.inverse();
+  // What is spread over more than 100 cells counts as if it were within them.
   const Eigen::Array2i reach =
-      (kSigmas * in_cells.diagonal().array().sqrt()).ceil().min(kMaxCells).cast<int>();
+      (kSigmas * in_cells.diagonal().array().sqrt()).ceil().min(100.0).cast<int>();
   std::vector<CellShare> all;
   double sum = 0.0;
   for (int y = -reach.y(); y <= reach.y(); ++y) {

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace headway::map {
 namespace {
@@ -15,14 +14,13 @@ using Eigen::Vector2d;
 
 constexpr int kSteps = 32;  // of outlines and integrals, for the accuracies that the header states
 constexpr double kMinVariance = 1e-4;  // of 1 cm [m^2]
-constexpr auto kInfinity = std::numeric_limits<double>::infinity();
 
 double normalCdf(double value) { return 0.5 * std::erfc(-value / std::sqrt(2.0)); }
 
 /// Interval of a vertical line inside a convex polygon; empty if low > high.
 struct Chord {
-  double low = kInfinity;
-  double high = -kInfinity;
+  double low = HUGE_VAL;
+  double high = -HUGE_VAL;
 };
 
 Chord chordAt(const std::vector<Vector2d>& polygon, double x) {
@@ -93,7 +91,7 @@ double probabilityInside(const std::vector<Vector2d>& polygon, const Vector2d& m
   const double slope = covariance(0, 1) / variance_x;
   const double sigma_y =
       std::sqrt(std::max(covariance(1, 1) - slope * covariance(0, 1), kMinVariance));
-  double left = kInfinity, right = -kInfinity;
+  double left = HUGE_VAL, right = -HUGE_VAL;
   for (const auto& corner : polygon) {
     left = std::min(left, corner.x());
     right = std::max(right, corner.x());

@@ -103,8 +103,7 @@ GridPicture gridPicture(const std::filesystem::path& path) {
   const cv::Mat grey = io::loadGreyImage(path.string());
   if (grey.empty()) throw InputError(path.string() + ": is not a readable picture");
   cv::Mat free = grey > 230, occupied = grey < 100;
-  constexpr double kMaxSide = 1600.0;  // [px], as of the live page
-  const double scale = kMaxSide / std::max(grey.cols, grey.rows);
+  const double scale = 1600.0 / std::max(grey.cols, grey.rows);  // [px], as of the live page
   if (scale < 1.0) {
     for (cv::Mat* cells : {&free, &occupied}) {
       cv::resize(*cells, *cells, {}, scale, scale, cv::INTER_AREA);

@@ -142,8 +142,7 @@ namespace {
 
 /// Uncut box around the mesh.
 Box2d boundsOf(const std::vector<ImageTriangle>& corners) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  Box2d box{kInf, kInf, -kInf, -kInf};
+  Box2d box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (const auto& triangle : corners) {
     for (const auto& corner : triangle) {
       box.left = std::min<double>(box.left, corner.x());

@@ -74,8 +74,10 @@ class ImageSequence {
   [[nodiscard]] virtual std::string nameOf(std::size_t index) const = 0;
   /// 8-bit grey or BGR. @throws InputError naming the file if it cannot be read
   [[nodiscard]] virtual cv::Mat image(std::size_t index) const = 0;
-  /// Of all images [s]; empty if they have none.
+  /// Of the first images [s]: of all, unless the file of times lacks some; empty if there are none.
   [[nodiscard]] virtual const std::vector<Time>& times() const = 0;
+  /// The file that they are from, for messages.
+  [[nodiscard]] virtual const std::string& timesFile() const { return name(); }
 };
 
 /// Images of a folder (.png .jpg .jpeg .bmp .tif .tiff .pgm .ppm) in the order of their names, with
@@ -83,7 +85,7 @@ class ImageSequence {
 /// last number of each is a Unix time between 2000 and 2100 in s, ms, us or ns, of one unit, and
 /// all differ.
 ///
-/// @throws InputError if the folder does not exist, or has fewer times than images
+/// @throws InputError if the folder does not exist
 [[nodiscard]] std::unique_ptr<ImageSequence> imagesOfFolder(const std::string& folder);
 
 /// Times of images that are stated apart from them.
