@@ -6,6 +6,8 @@
 #include <headway/slam/stereo_slam.h>
 #include <headway_test/textured_world.h>
 
+#include <random>
+
 namespace headway::slam {
 namespace {
 
@@ -37,9 +39,25 @@ class EvidenceTest : public testing::Test {
   [[nodiscard]] int evidenceWith(int found) const {
     TrackedPose seen;
     seen.landmarks.assign(all_.landmarks.begin(), all_.landmarks.begin() + found);
-    return evidenceOf(seen, expected_, frame_, map_, camera_, matcherFor(camera_, SlamParams()));
+    return evidenceOf(seen, expected_, frame_, map_, camera_, matcherFor(camera_, SlamParams()),
+                      within_m_);
   }
 
+  /// Gives each landmark a descriptor of its own, and the first ones a twin.
+  void repeat(int landmarks, const Eigen::Vector3d& shift) {
+    std::mt19937 random(3);
+    for (std::size_t i = 0; i < expected_.size(); ++i) {
+      Landmark* landmark = map_.findToChange(expected_[i]);
+      for (auto& byte : landmark->descriptor) byte = static_cast<std::uint8_t>(random());
+      if (i >= static_cast<std::size_t>(landmarks)) continue;
+      const Eigen::Vector3d place = landmark->position + shift;
+      const Descriptor descriptor = landmark->descriptor;
+      const LandmarkId twin = map_.addLandmark(place, KeyframeId{0}, {}).id;
+      map_.findToChange(twin)->descriptor = descriptor;
+    }
+  }
+
+  double within_m_ = 100.0;
   StereoCamera camera_ = test::smallCamera();
   SparseMap map_;
   TrackedPose all_;
@@ -63,6 +81,18 @@ TEST_F(EvidenceTest, WhatPeopleStandBeforeIsNotMissing) {
 TEST_F(EvidenceTest, CountsLandmarksOfOneCellOnce) {
   for (TrackedLandmark& landmark : all_.landmarks) landmark.measurement.uv = {25.0, 10.0};
   EXPECT_EQ(1 - 79, evidenceWith(80)) << "a poster";
+}
+
+TEST_F(EvidenceTest, WhatTheMapHasElsewhereTooSaysNothing) {
+  repeat(30, {3.0, 0.0, 0.0});
+  EXPECT_EQ(50, evidenceWith(80)) << "a floor that repeats itself";
+  within_m_ = 2.0;
+  EXPECT_EQ(80, evidenceWith(80)) << "it is known that the camera is not so far off";
+}
+
+TEST_F(EvidenceTest, AFewTwinsAreChance) {
+  repeat(5, {3.0, 0.0, 0.0});
+  EXPECT_EQ(80, evidenceWith(80));
 }
 
 TEST(PlaceCheckTest, AProofIsBelievedAtOnce) {

@@ -210,11 +210,11 @@ std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
     return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
   };
   if (expected) {
-    auto located = mostEvident(frame, points, isNearExpected, map);
+    auto located = mostEvident(frame, points, isNearExpected, 2.0 * kNear_m, map);
     if (located) return located;
   }
-  auto located = mostEvident(
-      frame, points, [](KeyframeId /*id*/) { return true; }, map);
+  const auto isAnywhere = [](KeyframeId /*id*/) { return true; };
+  auto located = mostEvident(frame, points, isAnywhere, HUGE_VAL, map);
   if (!located) return std::nullopt;
   std::set<LandmarkId> here;
   for (const TrackedLandmark& landmark : located->tracked.landmarks) here.insert(landmark.id);
@@ -224,7 +224,7 @@ std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
              return here.count(landmark) > 0;
            }) < params_.min_inliers / 2;
   };
-  const auto rival = mostEvident(frame, points, isElsewhere, map);
+  const auto rival = mostEvident(frame, points, isElsewhere, HUGE_VAL, map);
   if (!rival) return located;
   const Pose T_here_rival =
       located->tracked.T_map_cam.inverse(Eigen::Isometry) * rival->tracked.T_map_cam;
@@ -237,11 +237,11 @@ std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
 std::optional<LocatedCamera> LoopCloser::mostEvident(const TrackingFrame& frame,
                                                      const std::vector<DescribedPoint>& points,
                                                      const std::function<bool(KeyframeId)>& wanted,
-                                                     SparseMap& map) const {
+                                                     double within_m, SparseMap& map) const {
   constexpr int kCandidates = 5;
   std::optional<LocatedCamera> most;
   for (const PlaceMatch& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
-    auto place = placeAt(match.keyframe, frame, points, map);
+    auto place = placeAt(match.keyframe, frame, points, within_m, map);
     if (place && (!most || place->evidence > most->evidence)) most = std::move(place);
     if (most && most->evidence >= kPlaceProof) break;
   }
@@ -250,7 +250,7 @@ std::optional<LocatedCamera> LoopCloser::mostEvident(const TrackingFrame& frame,
 
 std::optional<LocatedCamera> LoopCloser::placeAt(KeyframeId keyframe, const TrackingFrame& frame,
                                                  const std::vector<DescribedPoint>& points,
-                                                 SparseMap& map) const {
+                                                 double within_m, SparseMap& map) const {
   const auto among = map.seenBy(map.neighbourhood(keyframe, params_.window));
   // Few matches suffice: the pose is verified by measuring patches from there.
   const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 3).T_map_cam;
@@ -258,7 +258,7 @@ std::optional<LocatedCamera> LoopCloser::placeAt(KeyframeId keyframe, const Trac
   auto tracked = tracker_.measureLocalMap(frame, *initial, among, map, params_.min_inliers);
   if (!tracked) return std::nullopt;
   const int evidence = evidenceOf(*tracked, map.keyframe(keyframe).landmarks, frame, map, camera_,
-                                  matcherFor(camera_, params_));
+                                  matcherFor(camera_, params_), within_m);
   return LocatedCamera{std::move(*tracked), keyframe, evidence};
 }
 
@@ -322,7 +322,7 @@ std::optional<ClosedLoop> LoopCloser::verify(const TrackingFrame& frame,
   attempt.outcome = LoopOutcome::kTooFewInliers;
   const auto isProven = [&] {
     return evidenceOf(*seen_from, candidate.expected, frame, map, camera_,
-                      matcherFor(camera_, params_)) >= kPlaceProof;
+                      matcherFor(camera_, params_), HUGE_VAL) >= kPlaceProof;
   };
   if (std::isinf(attempt.offset_allowed_m) && !isProven()) return std::nullopt;
   attempt.outcome = LoopOutcome::kClosed;

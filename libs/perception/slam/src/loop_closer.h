@@ -153,11 +153,11 @@ class LoopCloser {
   [[nodiscard]] static std::vector<DescribedPoint> describe(const TrackingFrame& frame);
   [[nodiscard]] std::optional<LocatedCamera> mostEvident(
       const TrackingFrame& frame, const std::vector<DescribedPoint>& points,
-      const std::function<bool(KeyframeId)>& wanted, SparseMap& map) const;
+      const std::function<bool(KeyframeId)>& wanted, double within_m, SparseMap& map) const;
   [[nodiscard]] std::optional<LocatedCamera> placeAt(KeyframeId keyframe,
                                                      const TrackingFrame& frame,
                                                      const std::vector<DescribedPoint>& points,
-                                                     SparseMap& map) const;
+                                                     double within_m, SparseMap& map) const;
   /// Old keyframes within drift distance of the newest one or of unknown distance, ascending.
   [[nodiscard]] std::vector<KeyframeId> findLoopCandidates(KeyframeId newest,
                                                            const SparseMap& map) const;

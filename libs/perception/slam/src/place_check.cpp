@@ -2,24 +2,66 @@
 // Whether a frame shows the place that it was recognised as.
 #include "place_check.h"
 
+#include <array>
 #include <map>
 #include <set>
 #include <utility>
 
 namespace headway::slam {
 
+namespace {
+
+/// Landmarks of a place that the map has elsewhere, too: several of them are alike others that lie
+/// by one shift away.
+std::set<LandmarkId> repeated(const std::vector<TrackedLandmark>& place, const SparseMap& map,
+                              double within_m) {
+  constexpr double kHalfBin_m = 0.2;  // of shifts that are one; bins overlap by half
+  constexpr std::size_t kAlike = 6;   // that chance does not bring
+  std::vector<const Landmark*> here;
+  for (const TrackedLandmark& seen : place) {
+    const Landmark* landmark = map.find(seen.id);
+    if (landmark != nullptr && landmark->descriptor != Descriptor{}) here.push_back(landmark);
+  }
+  std::map<std::array<int, 3>, std::set<LandmarkId>> alike_by_shift;
+  for (const auto& [id, there] : map.landmarks()) {
+    for (const Landmark* landmark : here) {
+      const Eigen::Vector3d shift = there.position - landmark->position;
+      const double away_m = shift.norm();
+      if (away_m < 1.0 || away_m > within_m ||
+          distance(landmark->descriptor, there.descriptor) > kMaxDescriptorDistance) {
+        continue;
+      }
+      const Eigen::Array3i bin = (shift / kHalfBin_m).array().floor().cast<int>();
+      for (int i = 0; i < 8; ++i) {
+        alike_by_shift[{bin.x() + i % 2, bin.y() + i / 2 % 2, bin.z() + i / 4}].insert(
+            landmark->id);
+      }
+    }
+  }
+  std::set<LandmarkId> all;
+  for (const auto& [shift, alike] : alike_by_shift) {
+    if (alike.size() >= kAlike) all.insert(alike.begin(), alike.end());
+  }
+  return all;
+}
+
+}  // namespace
+
 int evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
                const TrackingFrame& frame, const SparseMap& map, const StereoCamera& camera,
-               const stereo::StereoMatcher& matcher) {
+               const stereo::StereoMatcher& matcher, double within_m) {
   constexpr double kNearer = 1.2;  ///< ratio of disparities, from which something stands before
   const double cell_px = camera.width / 16.0;
   const auto cellOf = [&](const Eigen::Vector2d& uv) {
     const Eigen::Vector2i at = (uv / cell_px).cast<int>();
     return std::pair(at.x(), at.y());
   };
-  std::set<std::pair<int, int>> found, missed, hidden;
+  std::set<std::pair<int, int>> found, unique, missed, hidden;
+  const auto ambiguous = repeated(seen.landmarks, map, within_m);
   for (const TrackedLandmark& landmark : seen.landmarks) {
-    found.insert(cellOf(landmark.measurement.uv));
+    const auto cell = cellOf(landmark.measurement.uv);
+    found.insert(cell);
+    if (ambiguous.count(landmark.id) == 0) unique.insert(cell);
   }
   const Pose T_cam_map = seen.T_map_cam.inverse(Eigen::Isometry);
   for (const LandmarkId id : expected) {
@@ -32,7 +74,7 @@ int evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
     const bool is_hidden = *disparity > kNearer * uvd->z() + 1.0;
     (is_hidden ? hidden : missed).insert(cellOf(uvd->head<2>()));
   }
-  int evidence = static_cast<int>(found.size());
+  int evidence = static_cast<int>(unique.size());
   for (const auto& cell : missed) evidence -= hidden.count(cell) > 0 ? 0 : 1;
   return evidence;
 }

@@ -16,15 +16,18 @@ namespace headway::slam {
 
 /// What a frame says for a place, in cells of 1/16 of the image's width.
 ///
-/// A cell counts for it where landmarks are found, and against it where some ought to be seen,
-/// nothing nearer stands before them, and none is found: of a place that looks alike in part, the
-/// rest is missing, of a place behind people, nothing is.
+/// A cell counts for it where landmarks are found that the map has nowhere else, and against it
+/// where some ought to be seen, nothing nearer stands before them, and none is found: of a place
+/// that looks alike in part, the rest is missing, of a place behind people, nothing is. A floor or
+/// racks that come again say nothing of the place, even if the right one is not in the map.
 ///
 /// @param seen      the pose there with its landmarks
 /// @param expected  landmarks that are seen from there
+/// @param within_m  how far off the place may be, beyond which it may look the same [m]
 [[nodiscard]] int evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
                              const TrackingFrame& frame, const SparseMap& map,
-                             const StereoCamera& camera, const stereo::StereoMatcher& matcher);
+                             const StereoCamera& camera, const stereo::StereoMatcher& matcher,
+                             double within_m);
 
 /// Evidence that no wrong place gives: such a place is believed at once.
 inline constexpr int kPlaceProof = 40;
