@@ -462,15 +462,17 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     sayNetwork(*ros2, quiet);
     ros2->start();
   }
+  const auto stop = [&](void*) {
+    if (ros2) ros2->stop();
+  };
+  const std::shared_ptr<void> before_sensors(nullptr, stop);  // end, of which it speaks
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
   StatusLine status(quiet, source, page.get(), options.pair_tolerance_s, topics);
   if (sensors) sensors->start();
   if (!waitForCamera(source, options.pair_tolerance_s, topics)) return;
   replay::Replay pipeline(options.run, std::make_unique<LiveFrames>(source, topics), params,
                           all_params);
-  const std::shared_ptr<void> last(nullptr, [&](void*) {
-    if (ros2) ros2->stop();  // before the pipeline ends, which it uses
-  });
+  const std::shared_ptr<void> before_pipeline(nullptr, stop);  // ends, which it uses
   if (!options.initial_pose.empty()) {
     pipeline.perception().setInitialPose(initialPoseOf(options.initial_pose));
   }

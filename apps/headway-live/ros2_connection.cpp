@@ -83,9 +83,16 @@ class Ros2Connection::Implementation {
 
   ~Implementation() { stop(); }
 
+  void start() {
+    source_.start();
+    const std::lock_guard lock(mutex_);
+    is_running_ = true;
+  }
+
   void stop() {
     source_.stop();
     const std::lock_guard lock(mutex_);
+    is_running_ = false;
     perception_ = nullptr;
   }
 
@@ -123,8 +130,10 @@ class Ros2Connection::Implementation {
     if (perception_ != nullptr) perception_->setInitialPose(T_map_robot);
   }
 
-  [[nodiscard]] std::vector<ros2::DiagnosticLine> diagnostics() const {
+  [[nodiscard]] std::vector<ros2::DiagnosticLine> diagnostics() {
     std::vector<ros2::DiagnosticLine> lines;
+    const std::lock_guard lock(mutex_);
+    if (!is_running_) return lines;
     for (const auto& sensor : callbacks_.sensors()) {
       using Line = ros2::DiagnosticLine;
       lines.push_back({sensor.is_running ? Line::kOk : Line::kError,
@@ -138,6 +147,7 @@ class Ros2Connection::Implementation {
 
   const Callbacks callbacks_;
   std::mutex mutex_;
+  bool is_running_ = false;                     // guarded by mutex_; may the callbacks be used?
   std::optional<Pose> initial_pose_;            // guarded by mutex_
   pipeline::Perception* perception_ = nullptr;  // guarded by mutex_
   ros2::Node node_;
@@ -172,7 +182,7 @@ Ros2Connection::Ros2Connection(const Ros2Options& options, bool has_sensors,
 
 std::string Ros2Connection::network() const { return implementation_->node().network(); }
 std::string Ros2Connection::bufferHint() const { return implementation_->node().bufferHint(); }
-void Ros2Connection::start() { implementation_->source().start(); }
+void Ros2Connection::start() { implementation_->start(); }
 void Ros2Connection::stop() { implementation_->stop(); }
 run::Sink& Ros2Connection::sink() { return implementation_->sink(); }
 void Ros2Connection::setPerception(pipeline::Perception& perception) {

@@ -57,7 +57,7 @@ class Ros2Connection {
   /// Part of it: why large images are lost; or empty.
   [[nodiscard]] std::string bufferHint() const;
   void start();  ///< subscribing
-  void stop();   ///< likewise; perception is not used any more
+  void stop();   ///< likewise; neither perception nor callbacks are used any more
   /// Of the session.
   [[nodiscard]] run::Sink& sink();
   /// Takes the poses of /initialpose.

@@ -268,13 +268,66 @@ TEST_F(TopicSinkTest, NothingIsMadeForTopicsWithoutSubscribers) {
   EXPECT_TRUE(waitUntil([&] {
     addFrame(time += 1.0, planar(0.0), planar(0.0));
     const std::lock_guard lock(mutex_);
-    return !lines.empty();
+    return lines.count("headway: localisation: tracked") > 0;
   }));
   const std::lock_guard lock(mutex_);
   EXPECT_THAT(lines, ::testing::UnorderedElementsAre(
                          "headway: localisation: tracked", "headway: input: no warnings",
                          "camera: running", "headway: output: all messages are taken"));
   EXPECT_THAT(keys, ::testing::IsSupersetOf({"image to results [ms]", "processing [ms]"}));
+}
+
+TEST_F(TopicSinkTest, DiagnosticsGoOnWithoutFrames) {
+  Ros2SinkParams params;
+  params.diagnostics_hz = 10.0;
+  TopicSink::Hooks hooks;
+  hooks.sensors = [] {
+    return std::vector<DiagnosticLine>{{DiagnosticLine::kError, "camera", "silent", {}}};
+  };
+  struct State {
+    int level = 0;
+    std::string text;
+    Time stamp = 0.0;
+  };
+  std::vector<State> states;    // of the localisation
+  std::set<std::string> names;  // of the newest message
+  const auto health = peer_.reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
+      "rt/diagnostics", {}, [&](const auto& message) {
+        const auto& stamp = message.header().stamp();
+        const auto& line = message.status().at(0);
+        const std::lock_guard lock(mutex_);
+        states.push_back({line.level(), line.message(), stamp.sec() + 1e-9 * stamp.nanosec()});
+        names.clear();
+        for (const auto& each : message.status()) names.insert(each.name());
+      });
+  const auto isNewest = [&](DiagnosticLine::Level level, const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    return !states.empty() && states.back().level == level &&
+           states.back().text.rfind(text, 0) == 0;
+  };
+  sink_.emplace(*node_, params, hooks);
+  EXPECT_TRUE(waitUntil([&] { return isNewest(DiagnosticLine::kStale, "no frame yet"); }));
+  Time time = 100.0;
+  EXPECT_TRUE(waitUntil([&] {
+    addFrame(time += 0.2, planar(0.0), planar(0.0));
+    return isNewest(DiagnosticLine::kOk, "tracked");
+  }));
+  EXPECT_TRUE(waitUntil([&] { return isNewest(DiagnosticLine::kError, "no frame for "); }));
+  const auto ageOf = [](const State& state) { return std::stod(state.text.substr(13)); };
+  EXPECT_TRUE(waitUntil([&] {
+    const std::lock_guard lock(mutex_);
+    return ageOf(states.back()) > 1.5;
+  }));
+  {
+    const std::lock_guard lock(mutex_);
+    EXPECT_NEAR(states.back().stamp, time + ageOf(states.back()), 0.1);  // the frames' time goes on
+    EXPECT_THAT(names, ::testing::UnorderedElementsAre("headway: localisation", "headway: input",
+                                                       "camera", "headway: output"));
+  }
+  EXPECT_TRUE(waitUntil([&] {
+    addFrame(time += 0.2, planar(0.0), planar(0.0));
+    return isNewest(DiagnosticLine::kOk, "tracked");
+  }));
 }
 
 TEST_F(TopicSinkTest, AClockThatIsSetBackIsNamed) {

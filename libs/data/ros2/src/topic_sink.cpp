@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Results of a session as topics of ROS 2.
+#include <headway/core/recorded_frame.h>
+#include <headway/core/text.h>
 #include <headway/core/worker_thread.h>
 #include <headway/io/mrpt_time.h>
 #include <headway/map/map_query.h>
@@ -10,10 +12,12 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <condition_variable>
 #include <deque>
 #include <future>
 #include <map>
 #include <mutex>
+#include <thread>
 
 #include "outgoing_messages.h"
 #include "predicted_grid.h"
@@ -21,6 +25,7 @@
 namespace headway::ros2 {
 namespace {
 
+constexpr char kLocalisation[] = "headway: localisation";
 constexpr char kOwnOdometry[] = "headway_odom";  // frame, where the robot has its own odometry
 
 /// The newest frame's odometry, moved on by wheels, or by the gyroscope at constant speed.
@@ -161,7 +166,7 @@ std::vector<Eigen::Vector3f> blockedAround(const map::LocalLayer& local, Time no
 DiagnosticLine localisationLine(const run::FrameResult& result) {
   const auto& camera = result.update.camera;
   DiagnosticLine line;
-  line.name = "headway: localisation";
+  line.name = kLocalisation;
   line.message = slam::toString(camera.status);
   line.level = camera.status == slam::TrackingStatus::kTracked ? DiagnosticLine::kOk
                : slam::isTracked(camera.status)                ? DiagnosticLine::kWarn
@@ -174,6 +179,16 @@ DiagnosticLine localisationLine(const run::FrameResult& result) {
                  {"processing [ms]", ms(result.process_s())},
                  {"image to results [ms]", ms(result.end_s - result.arrival_s)},
                  {"left out", result.left_out}};
+  return line;
+}
+
+DiagnosticLine silenceLine(bool had_frames, double age_s) {
+  DiagnosticLine line;
+  line.name = kLocalisation;
+  line.level = had_frames ? DiagnosticLine::kError : DiagnosticLine::kStale;
+  const std::string age = formatted("%.1f", age_s);
+  line.message = had_frames ? "no frame for " + age + " s" : "no frame yet";
+  line.values = {{"without frames [s]", age}};
   return line;
 }
 
@@ -225,8 +240,16 @@ class TopicSink::Implementation {
     for (const Publication& other : {transforms_, clock_}) {
       if (!other.topic().empty()) publications_.push_back(other);
     }
+    if (params.diagnostics_hz > 0.0) watch_ = std::thread([this] { watchFrames(); });
   }
-  ~Implementation() { is_ending_ = true; }
+  ~Implementation() {
+    {
+      const std::lock_guard lock(health_mutex_);
+      is_ending_ = true;
+    }
+    ends_.notify_all();
+    if (watch_.joinable()) watch_.join();
+  }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
@@ -236,6 +259,7 @@ class TopicSink::Implementation {
   }
 
   void onFrame(const run::FrameResult& result, const pipeline::Perception& perception) {
+    noteFrame(result.update.time);
     publishObjects(result, perception);
     publishPredictions(result.update.time, perception.map(), result.update.camera.T_odom_robot);
     publishMaps(result, perception.map());
@@ -284,6 +308,7 @@ class TopicSink::Implementation {
 
   /// By a thread of its own, because it waits for them.
   void checkSubscribers() {
+    const std::lock_guard checked_lock(checked_mutex_);
     if (checked_.valid() && !isReady(checked_)) return;
     checked_ = checks_.run([this] {
       for (const Publication& publication : publications_) {
@@ -399,18 +424,53 @@ class TopicSink::Implementation {
       warnings.insert(result.source.warnings.begin(), result.source.warnings.end());
       health = {localisationLine(result), inputLine(warnings)};
       checkSubscribers();
+      const std::lock_guard lock(health_mutex_);
+      input_ = health.back();
     }
     if (due.empty() && health.empty()) return;
     objects_done_ =
         objects_work_.run([this, due, health, time, tracks = result.update.tracks_odom]() mutable {
           for (Topic* topic : due) publish(topic->publication, messageOf(topic, time, tracks));
-          if (health.empty()) return;
-          if (hooks_.sensors) {
-            for (auto& line : hooks_.sensors()) health.push_back(std::move(line));
-          }
-          health.push_back(outputLine());
-          publish(diagnostics_.publication, diagnosticMessage(time, health));
+          if (!health.empty()) publishHealth(time, std::move(health));
         });
+  }
+
+  // Health -------------------------------------------------------------------------------------
+
+  /// Of localisation and input, to which that of the sensors and of the output is added.
+  void publishHealth(Time time, std::vector<DiagnosticLine> health) {
+    if (hooks_.sensors) {
+      for (auto& line : hooks_.sensors()) health.push_back(std::move(line));
+    }
+    health.push_back(outputLine());
+    publish(diagnostics_.publication, diagnosticMessage(time, health));
+  }
+
+  void noteFrame(Time time) {
+    const std::lock_guard lock(health_mutex_);
+    last_frame_ = {monotonicSeconds(), time};
+  }
+
+  /// By a thread of its own, while there are no frames, which bring the health otherwise: a camera
+  /// that fell silent must not leave "tracked" as the last word.
+  void watchFrames() {
+    const double period_s = 1.0 / params_.diagnostics_hz;
+    const double silence_s = std::max(period_s, 1.0);  // slower cameras than 1 Hz are none
+    const double start_s = monotonicSeconds();
+    std::unique_lock lock(health_mutex_);
+    while (!ends_.wait_for(lock, std::chrono::duration<double>(period_s),
+                           [this] { return is_ending_.load(); })) {
+      const double age_s = monotonicSeconds() - (last_frame_ ? last_frame_->first : start_s);
+      if (age_s < silence_s || !diagnostics_.publication.hasSubscribers()) continue;
+      const Time time =
+          last_frame_ ? last_frame_->second + age_s : io::timeFrom(mrpt::Clock::now());
+      std::vector<DiagnosticLine> health = {silenceLine(last_frame_.has_value(), age_s)};
+      if (input_) health.push_back(*input_);
+      lock.unlock();
+      checkSubscribers();
+      publishHealth(time, std::move(health));
+      lock.lock();
+    }
   }
 
   [[nodiscard]] std::string messageOf(const Topic* topic, Time time,
@@ -480,7 +540,13 @@ class TopicSink::Implementation {
   std::vector<Publication> publications_;  ///< all
   mutable std::mutex sent_mutex_;
   std::map<std::string, Sent> sent_;  ///< by topic, guarded by sent_mutex_
+  std::mutex checked_mutex_;          ///< of checked_
+  std::mutex health_mutex_;
+  std::condition_variable ends_;
+  std::optional<std::pair<double, Time>> last_frame_;  ///< when it came; guarded by health_mutex_
+  std::optional<DiagnosticLine> input_;                ///< the newest; guarded by health_mutex_
   std::atomic<bool> is_ending_{false};
+  std::thread watch_;
   std::future<void> local_done_, objects_done_, predicted_done_, maps_done_, checked_;
   /// Last: they use the others.
   WorkerThread local_work_, objects_work_, checks_;

@@ -30,14 +30,15 @@ struct DiagnosticLine {
 ///
 /// Transforms and odometry are sent by the session's thread at once, everything else by threads of
 /// the sink: what is due while they are still at work is left out, so that the session never waits.
-/// Poses, obstacles and the local costmap do not wait for the frame's objects. Nothing is made for a topic without subscribers; the topics of subscribers that have not
-/// taken a message within a second are named in /diagnostics.
+/// Poses, obstacles and the local costmap do not wait for the frame's objects. Nothing is made for
+/// a topic without subscribers. /diagnostics names the topics of subscribers that have not taken a
+/// message within a second, and goes on while there are no frames.
 ///
 ///     TopicSink sink(node, params);
 ///     session.add(sink);
 class TopicSink : public run::Sink {
  public:
-  /// What the sink asks for, by any thread; each may be empty.
+  /// What the sink asks for, by any thread, until it is destroyed; each may be empty.
   struct Hooks {
     /// T_odom_robot that others publish, see TopicSource::odometryAt().
     std::function<std::optional<Pose>(Time)> others_odometry;
