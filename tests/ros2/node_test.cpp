@@ -281,6 +281,21 @@ TEST_F(NodeTest, AReliableSubscriptionDoesNotMatchALooserPublication) {
   EXPECT_TRUE(waitUntil([&] { return node_->mismatches("/imu") > 0; }));
 }
 
+/// As many as Nav2 has on a robot, on the loopback, where each has a port by its number.
+TEST_F(NodeTest, ItIsOneOfManyOnARobot) {
+  node_.reset();
+  std::vector<std::unique_ptr<FastDdsPeer>> others;  // beside peer_
+  for (int i = 0; i < 11; ++i) others.push_back(std::make_unique<FastDdsPeer>(domain_));
+  node_.emplace(NodeOptions{"headway", domain_, ""});
+  const auto scan = others.back()->writer<sensor_msgs::msg::dds_::LaserScan_PubSubType>("rt/scan");
+  const auto imu = peer_.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu");
+  EXPECT_TRUE(waitUntil([&] {
+    node_->spin(0.01);
+    return node_->published().size() == 2;
+  }));
+  EXPECT_NO_THROW(Node(NodeOptions{"headway", 232, "lo"}));  // whose ports are fewer
+}
+
 TEST_F(NodeTest, ASubscriberThatDoesNotReadBlocksNobody) {
   const Publication publication = node_->advertise("/dense", "sensor_msgs/PointCloud2", {});
   EXPECT_FALSE(publication.hasSubscribers());

@@ -80,7 +80,7 @@ std::string interfaceOf(const NodeOptions& options) {
 
 /// Settings of Cyclone DDS: bounds and buffers, then the interface or those of CYCLONEDDS_URI,
 /// whose interfaces would be added to that one.
-std::string configurationOf(const std::string& interface) {
+std::string configurationOf(const std::string& interface, int domain) {
   const bool is_local = interface == "lo" || interface == "127.0.0.1";
   const bool is_address = interface.find_first_not_of("0123456789.:") == std::string::npos;
   std::string general, discovery;
@@ -92,10 +92,14 @@ std::string configurationOf(const std::string& interface) {
               (is_address ? "address" : "name") + "=\"" + interface + "\"/></Interfaces>" +
               (is_local ? "<AllowMulticast>false</AllowMulticast>" : "") + "</General>";
   }
-  if (is_local) {  // has no multicast
+  if (is_local) {
+    // Without multicast, others are asked for at the ports of so many participants, as many as the
+    // domain has: a robot with Nav2 has more than the ten of Cyclone DDS.
+    const int last = std::min(100, (65535 - 7411 - 250 * domain) / 2);
     discovery =
-        "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer "
-        "address=\"127.0.0.1\"/></Peers></Discovery>";
+        "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+        std::to_string(last) +
+        "</MaxAutoParticipantIndex><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>";
   }
   const std::string own = "<CycloneDDS><Domain>" + general + discovery +
                           "<Internal><MaxSampleSize>" + std::to_string(bags::kMaxRecordBytes) +
@@ -216,11 +220,12 @@ bool Publication::isTaken(double timeout_s) const {
 class Node::Implementation {
  public:
   explicit Implementation(const NodeOptions& options) : name_(options.name) {
-    const auto domain = static_cast<dds_domainid_t>(domainOf(options));
+    const int number = domainOf(options);
+    const auto domain = static_cast<dds_domainid_t>(number);
     const std::string interface = interfaceOf(options);
     limitLog();
     // A program's second node in a domain shares the settings of the first one.
-    domain_ = dds_create_domain(domain, configurationOf(interface).c_str());
+    domain_ = dds_create_domain(domain, configurationOf(interface, number).c_str());
     const bool is_shared = domain_ == DDS_RETCODE_PRECONDITION_NOT_MET;
     if (domain_ > 0 || is_shared) participant_ = dds_create_participant(domain, nullptr, nullptr);
     if (participant_ <= 0) {
