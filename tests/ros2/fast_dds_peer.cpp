@@ -4,6 +4,7 @@
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -212,5 +213,15 @@ std::unique_ptr<FastDdsPeer::Reader> FastDdsPeer::bytesReader(
 }
 
 int domainOfThisTest() { return 20 + static_cast<int>(getpid() % 200); }
+
+bool hasSmallReceiveBuffers() {
+  const int descriptor = socket(AF_INET, SOCK_DGRAM, 0);
+  int size = 1 << 24;
+  socklen_t length = sizeof size;
+  (void)setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &size, length);
+  (void)getsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &size, &length);
+  close(descriptor);
+  return size < 1 << 25;  // Linux states twice of it
+}
 
 }  // namespace headway::test

@@ -79,4 +79,7 @@ class FastDdsPeer {
 /// A domain for this process alone, among tests that run at once.
 [[nodiscard]] int domainOfThisTest();
 
+/// Whether the system gives sockets less than 16 MB to receive, asked for with one.
+[[nodiscard]] bool hasSmallReceiveBuffers();
+
 }  // namespace headway::test

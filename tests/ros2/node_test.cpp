@@ -344,9 +344,10 @@ TEST_F(NodeTest, ALateSubscriberGetsTheLastMap) {
 }
 
 TEST_F(NodeTest, TheFirstLineNamesTheCommandThatRaisesALowLimitOfSockets) {
-  long limit = 0;
+  const bool is_low = test::hasSmallReceiveBuffers();
+  long limit = 1 << 24;  // in a container the file may be missing
   std::ifstream("/proc/sys/net/core/rmem_max") >> limit;
-  const bool is_low = limit < 1 << 24;
+  EXPECT_TRUE(is_low || limit >= 1 << 24) << limit;
   const auto command = node_->network().find("sudo sysctl -w net.core.rmem_max=");
   EXPECT_EQ(command != std::string::npos, is_low) << limit << ": " << node_->network();
   EXPECT_EQ(!node_->bufferHint().empty(), is_low);

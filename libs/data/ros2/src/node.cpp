@@ -5,6 +5,8 @@
 #include <dds/ddsrt/log.h>
 #include <headway/core/error.h>
 #include <headway/ros2/node.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,7 +15,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <utility>
@@ -123,9 +124,15 @@ void limitLog() {
 
 /// What to do about receive buffers that the system limits; empty: nothing.
 std::string hintOfBuffers() {
-  std::ifstream file("/proc/sys/net/core/rmem_max");
-  long limit = 0;
-  if (!(file >> limit) || limit >= kReceiveBuffer / 2) return "";
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  int size = kReceiveBuffer;
+  socklen_t length = sizeof size;
+  const bool is_known =  // not by /proc/sys/net/core/rmem_max, which containers may lack
+      setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &size, sizeof size) == 0 &&
+      getsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &size, &length) == 0;
+  if (descriptor >= 0) close(descriptor);
+  const int limit = size / 2;  // Linux counts what it adds for itself
+  if (!is_known || limit >= kReceiveBuffer / 2) return "";
   return "the system's receive buffers of " + std::to_string(limit / 1024) +
          " KiB lose parts of large raw images: sudo sysctl -w net.core.rmem_max=" +
          std::to_string(kReceiveBuffer);
