@@ -4,9 +4,12 @@
 #include <headway/ros2/node.h>
 #include <headway_test/waiting.h>
 #include <headway_test/walking_track.h>
+#include <ifaddrs.h>
 #include <mrpt/maps/CColouredPointsMap.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <net/if.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -374,6 +377,27 @@ TEST(NodeOptionsTest, CycloneDdsUriDoesNotWidenARestriction) {
   EXPECT_THAT(Node(NodeOptions{"headway", domain, ""}).network(),
               ::testing::HasSubstr(" on the interfaces of CYCLONEDDS_URI"));
   unsetenv("CYCLONEDDS_URI");
+}
+
+/// By the system's own list: one of them that is up. Nothing is sent there.
+TEST(NodeOptionsTest, TheNetworkNamesTheInterfaceThatIsSelected) {
+  unsetenv("ROS_LOCALHOST_ONLY");
+  setenv("CYCLONEDDS_URI",
+         "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General></Domain>"
+         "</CycloneDDS>",
+         1);
+  const std::string network = Node(NodeOptions{"headway", test::domainOfThisTest(), ""}).network();
+  unsetenv("CYCLONEDDS_URI");
+  std::vector<std::string> names;
+  ifaddrs* interfaces = nullptr;
+  ASSERT_EQ(getifaddrs(&interfaces), 0);
+  for (const auto* it = interfaces; it != nullptr; it = it->ifa_next) {
+    if ((it->ifa_flags & IFF_UP) != 0) names.emplace_back(it->ifa_name);
+  }
+  freeifaddrs(interfaces);
+  EXPECT_TRUE(std::any_of(names.begin(), names.end(), [&](const auto& name) {
+    return network.find(" on " + name + ", which Cyclone DDS selects") != std::string::npos;
+  })) << network;
 }
 
 TEST(NodeOptionsTest, WrongDomainsAndInterfacesAreInputErrors) {

@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -79,6 +80,13 @@ std::string interfaceOf(const NodeOptions& options) {
   return environment("ROS_LOCALHOST_ONLY") == "1" ? "lo" : "";
 }
 
+/// Whether these settings of Cyclone DDS say nothing of interfaces and messages.
+bool leavesInterface(const std::string& settings) {
+  if (settings.empty()) return true;
+  const auto has = [&](const char* part) { return settings.find(part) != std::string::npos; };
+  return settings.front() == '<' && !has("Interface") && !has("Tracing") && !has("file:");
+}
+
 /// Settings of Cyclone DDS: bounds and buffers, then the interface or those of CYCLONEDDS_URI,
 /// whose interfaces would be added to that one.
 std::string configurationOf(const std::string& interface, int domain) {
@@ -107,13 +115,46 @@ std::string configurationOf(const std::string& interface, int domain) {
                           "B</MaxSampleSize><SocketReceiveBufferSize max=\"" +
                           std::to_string(kReceiveBuffer) + "B\"/></Internal></Domain></CycloneDDS>";
   const std::string users = environment("CYCLONEDDS_URI");
-  return users.empty() || !interface.empty() ? own : own + "," + users;
+  if (!interface.empty()) return own;
+  std::string all = users.empty() ? own : own + "," + users;
+  if (leavesInterface(users)) {  // as by default, but it says which
+    all +=
+        ",<CycloneDDS><Domain><General><Interfaces><NetworkInterface autodetermine=\"true\"/>"
+        "</Interfaces></General><Tracing><Category>info</Category><OutputFile>/dev/null"
+        "</OutputFile></Tracing></Domain></CycloneDDS>";
+  }
+  return all;
 }
 
-/// Passes on the first messages of Cyclone DDS alone: it has one for each malformed packet.
+/// Name of the interface that Cyclone DDS selected last, as it says while it joins a domain.
+struct SelectedInterface {
+  std::mutex mutex;
+  std::string name;  // guarded by mutex
+
+  void read(std::string_view message) {
+    for (const std::string_view start : {"determined ", "using network interface "}) {
+      if (message.substr(0, start.size()) != start) continue;
+      const auto rest = message.substr(start.size());
+      const std::lock_guard lock(mutex);
+      name = rest.substr(0, rest.find(" ("));
+    }
+  }
+  std::string take() {
+    const std::lock_guard lock(mutex);
+    return std::exchange(name, "");
+  }
+};
+
+SelectedInterface& selectedInterface() {
+  static SelectedInterface interface;
+  return interface;
+}
+
+/// Passes on the first warnings of Cyclone DDS alone: it has one for each malformed packet.
 void limitLog() {
   static std::atomic<int> left{10};
   const auto print = [](void*, const dds_log_data_t* data) {
+    if ((data->priority & DDS_LC_INFO) != 0) return selectedInterface().read(data->message);
     const int before = left.fetch_sub(1);
     if (before <= 0) left = 0;
     if (before > 0) std::fprintf(stderr, "Cyclone DDS: %s", data->message);
@@ -233,6 +274,7 @@ class Node::Implementation {
     limitLog();
     // A program's second node in a domain shares the settings of the first one.
     domain_ = dds_create_domain(domain, configurationOf(interface, number).c_str());
+    const std::string selected = selectedInterface().take();
     const bool is_shared = domain_ == DDS_RETCODE_PRECONDITION_NOT_MET;
     if (domain_ > 0 || is_shared) participant_ = dds_create_participant(domain, nullptr, nullptr);
     if (participant_ <= 0) {
@@ -244,9 +286,10 @@ class Node::Implementation {
     (void)dds_get_guid(participant_, &guid_);
     const bool has_settings = !environment("CYCLONEDDS_URI").empty();
     network_ = "ROS 2 domain " + std::to_string(domain) + " on " +
-               (!interface.empty() ? interface
-                : has_settings     ? "the interfaces of CYCLONEDDS_URI"
-                                   : "the interface that Cyclone DDS selects");
+               (!interface.empty()   ? interface
+                : !selected.empty() ? selected + ", which Cyclone DDS selects"
+                : has_settings      ? "the interfaces of CYCLONEDDS_URI"
+                                    : "the interface that Cyclone DDS selects");
     if (has_settings && !interface.empty()) network_ += " (CYCLONEDDS_URI is not used)";
     const std::string hint = hintOfBuffers();
     if (!hint.empty()) network_ += "; " + hint;
