@@ -356,6 +356,10 @@ TEST_F(NodeTest, TheFirstLineNamesTheCommandThatRaisesALowLimitOfSockets) {
   EXPECT_EQ(!node_->bufferHint().empty(), is_low);
 }
 
+constexpr char kLoopback[] =
+    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>"
+    "</General></Domain></CycloneDDS>";
+
 /// Its interfaces would be added to the one of the option.
 TEST(NodeOptionsTest, CycloneDdsUriDoesNotWidenARestriction) {
   setenv("CYCLONEDDS_URI",
@@ -369,14 +373,36 @@ TEST(NodeOptionsTest, CycloneDdsUriDoesNotWidenARestriction) {
               ::testing::HasSubstr(" on lo (CYCLONEDDS_URI is not used)"));
   setenv("ROS_LOCALHOST_ONLY", "1", 1);
   EXPECT_THAT(Node(NodeOptions{"headway", domain, ""}).network(), ::testing::HasSubstr(" on lo ("));
-  setenv("CYCLONEDDS_URI",
-         "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\"/>"
-         "</Interfaces></General></Domain></CycloneDDS>",
-         1);
+  setenv("CYCLONEDDS_URI", kLoopback, 1);
   unsetenv("ROS_LOCALHOST_ONLY");
   EXPECT_THAT(Node(NodeOptions{"headway", domain, ""}).network(),
               ::testing::HasSubstr(" on the interfaces of CYCLONEDDS_URI"));
   unsetenv("CYCLONEDDS_URI");
+}
+
+TEST(NodeOptionsTest, TheRangeOfDiscoveryIsRespected) {
+  unsetenv("ROS_LOCALHOST_ONLY");
+  const int domain = test::domainOfThisTest();
+  for (const char* range : {"LOCALHOST", "OFF", "unknown"}) {
+    setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", range, 1);
+    EXPECT_THAT(Node(NodeOptions{"headway", domain, ""}).network(), ::testing::HasSubstr(" on lo"))
+        << range;
+  }
+  // Others leave the choice to Cyclone DDS, here by its own settings.
+  setenv("CYCLONEDDS_URI", kLoopback, 1);
+  for (const char* range : {"SUBNET", "SYSTEM_DEFAULT", ""}) {
+    setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", range, 1);
+    EXPECT_THAT(Node(NodeOptions{"headway", domain, ""}).network(),
+                ::testing::HasSubstr(" on the interfaces of CYCLONEDDS_URI"))
+        << range;
+    setenv("ROS_LOCALHOST_ONLY", "1", 1);  // still means what it says
+    EXPECT_THAT(Node(NodeOptions{"headway", domain, ""}).network(),
+                ::testing::HasSubstr(" on lo (CYCLONEDDS_URI"))
+        << range;
+    unsetenv("ROS_LOCALHOST_ONLY");
+  }
+  unsetenv("CYCLONEDDS_URI");
+  unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
 }
 
 /// By the system's own list: one of them that is up. Nothing is sent there.

@@ -74,10 +74,13 @@ int domainOf(const NodeOptions& options) {
   return domain;
 }
 
-/// The interface of the options or of ROS_LOCALHOST_ONLY; empty: Cyclone DDS selects it.
+/// The interface of the options or of ROS 2's variables; empty: Cyclone DDS selects it.
 std::string interfaceOf(const NodeOptions& options) {
   if (!options.interface.empty()) return options.interface;
-  return environment("ROS_LOCALHOST_ONLY") == "1" ? "lo" : "";
+  // From Iron on, where a value that it does not know means this computer alone, too.
+  const std::string range = environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
+  const bool is_wide = range.empty() || range == "SUBNET" || range == "SYSTEM_DEFAULT";
+  return environment("ROS_LOCALHOST_ONLY") == "1" || !is_wide ? "lo" : "";
 }
 
 /// Whether these settings of Cyclone DDS say nothing of interfaces and messages.

@@ -62,8 +62,8 @@ class Publication {
 /// types, the quality of service, and the announcement (`ros2 node list`) that ROS 2 has.
 ///
 /// Messages are bytes: they are copied when they arrive, up to 128 MB, and not decoded.
-/// ROS_DOMAIN_ID and ROS_LOCALHOST_ONLY are respected, CYCLONEDDS_URI without a restriction to an
-/// interface, which it could widen. One thread at a time may use a node, apart from its
+/// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected, CYCLONEDDS_URI
+/// without a restriction to an interface, which it could widen. One thread at a time may use a node, apart from its
 /// publications, which any threads may use.
 ///
 ///     Node node({});
