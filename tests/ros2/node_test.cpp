@@ -16,6 +16,7 @@
 #include <mutex>
 #include <thread>
 
+#include "bag_file.h"
 #include "fast_dds_peer.h"
 #include "messages.h"
 #include "outgoing_messages.h"
@@ -276,6 +277,42 @@ TEST_F(NodeTest, ReadsWhatAnotherImplementationSends) {
   EXPECT_EQ(decoded.header.time_ns, 12'000'000'000);
   EXPECT_EQ(decoded.data.size(), 1280UL * 720UL);
   EXPECT_EQ(decoded.data.back(), 7);
+}
+
+/// By a setting of the user, too; what follows it is read.
+TEST_F(NodeTest, AMessageOfMoreThan128MBIsNotPutTogether) {
+  node_.reset();
+  unsetenv("ROS_LOCALHOST_ONLY");
+  setenv("CYCLONEDDS_URI",
+         "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces>"
+         "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto"
+         "</ParticipantIndex><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery><Internal>"
+         "<MaxSampleSize>1 GB</MaxSampleSize></Internal></Domain></CycloneDDS>",
+         1);
+  node_.emplace(NodeOptions{"headway", domain_, ""});
+  unsetenv("CYCLONEDDS_URI");
+  std::vector<std::size_t> sizes;
+  node_->subscribe("/cloud", "sensor_msgs/PointCloud2", {},
+                   [&](std::string_view message) { sizes.push_back(message.size()); });
+  const auto writer = peer_.bytesWriter("rt/cloud", "sensor_msgs::msg::dds_::PointCloud2_");
+  const auto write = [&](std::size_t size) {
+    std::string message("\0\1\0\0", 4);
+    message.resize(size);
+    return writer->write(&message);
+  };
+  ASSERT_TRUE(waitUntil([&] {  // until both know each other
+    node_->spin(0.01);
+    return write(100) && !sizes.empty();
+  }));
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(write(std::size_t{bags::kMaxRecordBytes} + 1));
+  EXPECT_TRUE(write(200));
+  EXPECT_TRUE(waitUntil([&] {
+    node_->spin(0.01);
+    return sizes.back() == 200;
+  }));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), ::testing::HasSubstr("oversize"));
+  EXPECT_THAT(sizes, ::testing::Each(::testing::Le(200U)));
 }
 
 TEST_F(NodeTest, AReliableSubscriptionDoesNotMatchALooserPublication) {

@@ -114,12 +114,14 @@ std::string configurationOf(const std::string& interface, int domain) {
         "</MaxAutoParticipantIndex><Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>";
   }
   const std::string own = "<CycloneDDS><Domain>" + general + discovery +
-                          "<Internal><MaxSampleSize>" + std::to_string(bags::kMaxRecordBytes) +
-                          "B</MaxSampleSize><SocketReceiveBufferSize max=\"" +
+                          "<Internal><SocketReceiveBufferSize max=\"" +
                           std::to_string(kReceiveBuffer) + "B\"/></Internal></Domain></CycloneDDS>";
+  const std::string bound = ",<CycloneDDS><Domain><Internal><MaxSampleSize>" +  // in any case
+                            std::to_string(bags::kMaxRecordBytes) +
+                            "B</MaxSampleSize></Internal></Domain></CycloneDDS>";
   const std::string users = environment("CYCLONEDDS_URI");
-  if (!interface.empty()) return own;
-  std::string all = users.empty() ? own : own + "," + users;
+  if (!interface.empty()) return own + bound;
+  std::string all = own + (users.empty() ? "" : ",") + users + bound;
   if (leavesInterface(users)) {  // as by default, but it says which
     all +=
         ",<CycloneDDS><Domain><General><Interfaces><NetworkInterface autodetermine=\"true\"/>"

@@ -9,8 +9,6 @@
 #include <memory>
 #include <utility>
 
-#include "bag_file.h"
-
 namespace headway::ros2 {
 namespace {
 
@@ -33,8 +31,7 @@ std::string joined(const nn_rdata* part, std::size_t size) {
 
 ddsi_serdata* fromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* first,
                             std::size_t size) {
-  const bool is_allowed = size <= bags::kMaxRecordBytes;
-  return new SerialisedMessage(type, kind, is_allowed ? joined(first, size) : std::string());
+  return new SerialisedMessage(type, kind, joined(first, size));
 }
 
 ddsi_serdata* fromBuffers(const ddsi_sertype* type, ddsi_serdata_kind kind,

@@ -14,7 +14,7 @@ namespace headway::ros2 {
 struct SerialisedMessage : ddsi_serdata {
   SerialisedMessage(const ddsi_sertype* of_type, ddsi_serdata_kind of_kind, std::string content);
 
-  std::string bytes;     ///< empty: it had more than the allowed ones
+  std::string bytes;     ///< with padding
   std::size_t size = 0;  ///< of them without padding
 };
 

@@ -332,7 +332,6 @@ class TopicSource::Implementation {
       ++status.messages;
       status.age_s = monotonicSeconds();
     }
-    if (message.empty()) return skip("too_large_" + topic.type, topic.name);
     try {
       surveyor_->use(topic, message);
       convert(topic, message);

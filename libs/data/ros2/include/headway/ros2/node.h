@@ -61,7 +61,8 @@ class Publication {
 /// A node of ROS 2 without ROS 2: a participant of its DDS domain, with the names of topics and
 /// types, the quality of service, and the announcement (`ros2 node list`) that ROS 2 has.
 ///
-/// Messages are bytes: they are copied when they arrive, up to 128 MB, and not decoded.
+/// Messages are bytes: they are copied when they arrive, and not decoded. Those of more than 128 MB
+/// are never put together: a line on the standard error names them.
 /// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected, CYCLONEDDS_URI
 /// without a restriction to an interface, which it could widen. One thread at a time may use a node, apart from its
 /// publications, which any threads may use.
@@ -87,7 +88,7 @@ class Node {
   /// The topics that others publish now.
   [[nodiscard]] std::vector<PublishedTopic> published();
 
-  /// Calls back with each message of a topic, or an empty one instead of one that was too long.
+  /// Calls back with each message of a topic.
   ///
   /// @param type  "sensor_msgs/LaserScan"
   void subscribe(const std::string& topic, const std::string& type, const Qos& qos,
