@@ -15,6 +15,7 @@
 #include <mrpt/obs/CObservationStereoImages.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -36,6 +37,68 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Key;
 namespace dds = sensor_msgs::msg::dds_;
+
+/// A stereo camera whose calibration and mounting are sent when a test wants it.
+class StereoWriters {
+ public:
+  explicit StereoWriters(FastDdsPeer& peer)
+      : images_{peer.writer<dds::Image_PubSubType>("rt/left/image"),
+                peer.writer<dds::Image_PubSubType>("rt/right/image")},
+        infos_{peer.writer<dds::CameraInfo_PubSubType>("rt/left/camera_info"),
+               peer.writer<dds::CameraInfo_PubSubType>("rt/right/camera_info")},
+        tf_(peer.writer<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf_static",
+                                                                   {true, true, 1})) {
+    info.width(64);
+    info.height(48);
+    info.distortion_model("plumb_bob");
+    info.d().assign(5, 0.0);
+    picture_.width(64);
+    picture_.height(48);
+    picture_.step(64);
+    picture_.encoding("mono8");
+    picture_.data().assign(64UL * 48UL, 100);
+    picture_.header().stamp().sec(100);
+  }
+
+  void setFocal(double focal_px) {
+    info.k({focal_px, 0.0, 31.5, 0.0, focal_px, 23.5, 0.0, 0.0, 1.0});
+    info.r({1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
+    info.p({focal_px, 0.0, 31.5, 0.0, 0.0, focal_px, 23.5, 0.0, 0.0, 0.0, 1.0, 0.0});
+  }
+  /// Sends calibration and images of the next time.
+  void write(double baseline_m) {
+    picture_.header().stamp().sec(picture_.header().stamp().sec() + 1);
+    const std::array<const char*, 2> frames = {"left", "right"};
+    for (const std::size_t side : {0, 1}) {
+      info.header().frame_id(frames.at(side));
+      info.p()[3] = side == 0 ? 0.0 : -baseline_m * info.p()[0];
+      picture_.header().frame_id(frames.at(side));
+      EXPECT_TRUE(infos_.at(side)->write(&info) && images_.at(side)->write(&picture_));
+    }
+  }
+  /// Both cameras on base_link.
+  void mount() {
+    tf2_msgs::msg::dds_::TFMessage_ message;
+    message.transforms().resize(2);
+    const std::array<const char*, 2> frames = {"left", "right"};
+    for (const std::size_t side : {0, 1}) {
+      auto& transform = message.transforms()[side];
+      transform.header().frame_id("base_link");
+      transform.child_frame_id(frames.at(side));
+      transform.transform().translation().x(0.25);
+      transform.transform().rotation().w(1.0);
+    }
+    EXPECT_TRUE(tf_->write(&message));
+  }
+
+  dds::CameraInfo_ info;
+
+ private:
+  using Writer = std::unique_ptr<FastDdsPeer::Writer>;
+  std::array<Writer, 2> images_, infos_;
+  Writer tf_;
+  dds::Image_ picture_;
+};
 
 class TopicSourceTest : public ::testing::Test {
  protected:
@@ -515,6 +578,57 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   EXPECT_TRUE(isCounted("broken_scan", [&] { scan->write(&rays); }));
   EXPECT_TRUE(
       waitUntil([&] { return isSaid("/left/image is published as std_msgs/String, too"); }));
+}
+
+/// Before both are usable; base_frame waits for tf.
+TEST_F(TopicSourceTest, TransformsAndCalibrationMayComeLateOrWrongAtFirst) {
+  Ros2SourceParams params;
+  params.base_frame = "base_link";
+  StereoWriters camera(peer_);
+  start(params);
+  const auto isMissing = [&](const std::string& part) {
+    return waitUntil([&] {
+      camera.write(0.0);
+      return source_->missing().find(part) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(isMissing("tf does not connect it with 'left'")) << source_->missing();
+  camera.mount();
+  EXPECT_TRUE(isMissing("the camera was not calibrated (K is zero)")) << source_->missing();
+  camera.info.k()[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(waitUntil([&] {
+    camera.write(0.0);
+    const std::string missing = source_->missing();
+    return missing.find("/camera_info: ") != std::string::npos &&
+           missing.find("zero") == std::string::npos;
+  })) << source_->missing();
+  EXPECT_EQ(count("CObservationStereoImages"), 0U);
+  camera.setFocal(50.0);
+  EXPECT_TRUE(waitUntil([&] {
+    camera.write(0.1);
+    return count("CObservationStereoImages") > 0;
+  })) << source_->missing();
+  EXPECT_EQ(source_->missing(), "");
+  const auto pair = last<mrpt::obs::CObservationStereoImages>();
+  ASSERT_NE(pair, nullptr);
+  EXPECT_EQ(pair->leftCamera.fx(), 50.0);
+  EXPECT_NEAR(pair->rightCameraPose.x(), 0.1, 1e-9);
+  EXPECT_NEAR(pair->cameraPose.x(), 0.25, 1e-9);
+  EXPECT_FALSE(isSaid("only now"));
+}
+
+TEST_F(TopicSourceTest, TransformsThatComeTooLateAreNamed) {
+  StereoWriters camera(peer_);
+  camera.setFocal(50.0);
+  start();
+  EXPECT_TRUE(waitUntil([&] {
+    camera.write(0.1);
+    return count("CObservationStereoImages") > 0;
+  })) << source_->missing();
+  EXPECT_TRUE(isSaid("the mounting of the camera is unknown"));
+  EXPECT_FALSE(isSaid("tf mounts the camera"));
+  camera.mount();
+  EXPECT_TRUE(waitUntil([&] { return isSaid("tf mounts the camera on base_link only now"); }));
 }
 
 TEST_F(TopicSourceTest, ReasonsThatMessagesInventAreBounded) {

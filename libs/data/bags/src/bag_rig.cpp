@@ -64,12 +64,8 @@ class RigBuilder {
       rig_.base_frame = options_.base_frame;
       return;
     }
-    for (const char* name : {"base_link", "base_footprint", "base", "body"}) {
-      if (!survey_.transforms.contains(name)) continue;
-      if (!survey_.transforms.between(name, camera)) continue;
-      rig_.base_frame = name;
-      return;
-    }
+    rig_.base_frame = baseOf(survey_.transforms, camera);
+    if (!rig_.base_frame.empty()) return;
     rig_.notes.push_back("the mounting of the camera is unknown: tf does not connect '" + camera +
                          "' with base_link (--base FRAME); the robot's frame is in the camera");
   }
@@ -230,6 +226,13 @@ std::map<std::string, Pose> TransformTree::ancestorsOf(const std::string& frame)
   return result;
 }
 
+std::string baseOf(const TransformTree& transforms, const std::string& frame) {
+  for (const char* name : {"base_link", "base_footprint", "base", "body"}) {
+    if (transforms.contains(name) && transforms.between(name, frame)) return name;
+  }
+  return "";
+}
+
 Surveyor::Surveyor(const BagSelection& selection, const std::vector<BagTopic>& topics)
     : transform_topics_(selection.tf.begin(), selection.tf.end()) {
   for (const auto& image : {selection.left, selection.right, selection.color, selection.depth}) {
@@ -239,8 +242,9 @@ Surveyor::Surveyor(const BagSelection& selection, const std::vector<BagTopic>& t
     const bool exists = std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
       return topic.name == info && topic.messages > 0;
     });
-    if (exists) missing_infos_.insert(info);
+    if (exists) infos_.insert(info);
   }
+  renewInfos();
   for (const auto* names : {&selection.imu, &selection.scans}) {
     sensors_.insert(names->begin(), names->end());
   }

@@ -40,6 +40,9 @@ class TransformTree {
   std::map<std::string, Parent> parents_;  ///< by child
 };
 
+/// The usual frame of a robot's base that is connected with another frame; empty: none is.
+[[nodiscard]] std::string baseOf(const TransformTree& transforms, const std::string& frame);
+
 /// What the beginning of a bag tells about the sensors.
 struct BagSurvey {
   std::map<std::string, io::CameraInfo> camera_infos;  ///< by topic
@@ -54,6 +57,8 @@ class Surveyor {
   Surveyor(const BagSelection& selection, const std::vector<BagTopic>& topics);
 
   void use(const BagTopic& topic, std::string_view message);
+  /// Takes the next camera_info of each camera, too; until then there are those of before.
+  void renewInfos() { missing_infos_ = infos_; }
   [[nodiscard]] bool hasInfos() const { return missing_infos_.empty(); }
   /// Whether nothing more can be learnt: all sensors have frames that belong to one tree.
   [[nodiscard]] bool isComplete() const;
@@ -61,6 +66,7 @@ class Surveyor {
   BagSurvey survey;
 
  private:
+  std::set<std::string> infos_;  ///< topics
   std::set<std::string> missing_infos_;
   std::set<std::string> transform_topics_;
   std::set<std::string> sensors_;

@@ -162,7 +162,9 @@ class TopicSource::Implementation {
       if (monotonicSeconds() < next_s) continue;
       next_s = monotonicSeconds() + 0.2;
       discover();
-      if (is_selected_ && hasCamera() && !rig_) calibrate();
+      if (!is_selected_ || !hasCamera()) continue;
+      if (rig_) nameLateMounting();
+      if (!rig_) calibrate();
     }
   }
 
@@ -297,7 +299,23 @@ class TopicSource::Implementation {
       setMissing("");
     } catch (const InputError& error) {
       setMissing(error.what());
+      surveyor_->renewInfos();  // drivers may send some before they are calibrated
     }
+  }
+
+  /// Says once that tf came when images were used already, whose camera does not move any more.
+  void nameLateMounting() {
+    if (is_late_mounting_named_ || !rig_->base_frame.empty()) return;
+    const std::string& camera = selection_.left.empty() ? selection_.depth : selection_.left;
+    const auto& survey = surveyor_->survey;
+    const auto frame = survey.frames.find(camera);
+    if (frame == survey.frames.end()) return;
+    const std::string base = bags::baseOf(survey.transforms, frame->second);
+    if (base.empty()) return;
+    is_late_mounting_named_ = true;
+    say("tf mounts the camera on " + base +
+        " only now, after its images were used without: start again, or set base_frame = " + base +
+        " in [ros2], which waits for tf");
   }
 
   /// Where a sensor is mounted; nullopt if it is unknown, which is counted.
@@ -511,7 +529,8 @@ class TopicSource::Implementation {
   std::optional<double> first_image_s_;
   std::optional<bags::Surveyor> surveyor_;  ///< of tf alone until topics are selected
   std::optional<bags::BagRig> rig_;         ///< once the camera is calibrated
-  std::map<std::string, Pose> mounting_;    ///< by topic
+  bool is_late_mounting_named_ = false;
+  std::map<std::string, Pose> mounting_;  ///< by topic
   bags::ImagePairing pairing_;
   std::map<std::string, Subscription> subscriptions_;  ///< by topic
   std::set<std::string> said_;
