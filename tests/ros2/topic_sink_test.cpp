@@ -6,6 +6,8 @@
 #include <headway/ros2/topic_sink.h>
 #include <headway_test/waiting.h>
 #include <headway_test/walking_track.h>
+#include <mrpt/maps/CColouredPointsMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
@@ -41,6 +43,9 @@ class TopicSinkTest : public ::testing::Test {
   TopicSinkTest() : domain_(test::domainOfThisTest()), peer_(domain_) {
     setenv("ROS_LOCALHOST_ONLY", "1", 1);
     node_.emplace(NodeOptions{"headway", domain_, ""});
+  }
+
+  void start(const Ros2SinkParams& params, TopicSink::Hooks hooks = {}) {
     odometry_ = peer_.reader<Odometry_PubSubType>(
         "rt/headway/odometry", {true, false, 1000}, [this](const auto& message) {
           const std::lock_guard lock(mutex_);
@@ -57,9 +62,6 @@ class TopicSinkTest : public ::testing::Test {
                 transform.transform().translation().x();
           }
         });
-  }
-
-  void start(const Ros2SinkParams& params, TopicSink::Hooks hooks = {}) {
     sink_.emplace(*node_, params, std::move(hooks));
     ASSERT_TRUE(waitUntil([&] { return odometry_->matched() > 0 && transforms_->matched() > 0; }));
     Time time = 1.0;  // the writers know their readers a little later
@@ -275,6 +277,64 @@ TEST_F(TopicSinkTest, NothingIsMadeForTopicsWithoutSubscribers) {
                          "headway: localisation: tracked", "headway: input: no warnings",
                          "camera: running", "headway: output: all messages are taken"));
   EXPECT_THAT(keys, ::testing::IsSupersetOf({"image to results [ms]", "processing [ms]"}));
+}
+
+TEST_F(TopicSinkTest, EachTopicIsMadeForItsSubscribersAlone) {
+  map::PerceptionMap map;
+  map.update(std::make_shared<const map::LocalLayer>(10.0));
+  map.update(mrpt::maps::COccupancyGridMap2D::Create(0.0F, 1.0F, 0.0F, 1.0F, 0.1F));
+  const auto points = mrpt::maps::CColouredPointsMap::Create();
+  points->insertPointRGB(1.0F, 2.0F, 3.0F, 1.0F, 0.0F, 0.2F);
+  map.update(points);
+  pipeline::Perception perception(nullptr, {}, map);
+  Ros2SinkParams params;
+  params.clock = true;
+  params.odom_base = true;
+  params.diagnostics_hz = 4.0;
+  sink_.emplace(*node_, params);
+  run::FrameResult result;
+  result.update.time = 100.0;
+  result.update.camera.status = slam::TrackingStatus::kTracked;
+  result.update.tracks_odom = {test::walkingTrack(7, {2.0, 1.0}, {1.0, 0.0}, 0.1)};
+  const auto addAll = [&] {
+    result.update.time += 2.5;  // all topics are due
+    addWheels(result.update.time - 0.01, 0.0);
+    sink_->onLocal(result.update.time, result.update.camera, map);
+    sink_->onFrame(result, perception);
+  };
+  for (int i = 0; i < 30; ++i) addAll();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1600));  // without frames, too
+  EXPECT_THAT(sink_->messages(), ::testing::IsEmpty());
+
+  std::vector<std::pair<std::string, std::string>> topics = {
+      {"/tf", "tf2_msgs::msg::dds_::TFMessage_"},
+      {"/clock", "rosgraph_msgs::msg::dds_::Clock_"},
+      {"/map", "nav_msgs::msg::dds_::OccupancyGrid_"},
+      {"/diagnostics", "diagnostic_msgs::msg::dds_::DiagnosticArray_"},
+      {"/headway/odometry", "nav_msgs::msg::dds_::Odometry_"},
+      {"/headway/local_costmap", "nav_msgs::msg::dds_::OccupancyGrid_"},
+      {"/headway/obstacles", "sensor_msgs::msg::dds_::PointCloud2_"},
+      {"/headway/dense_map", "sensor_msgs::msg::dds_::PointCloud2_"},
+      {"/headway/detections", "vision_msgs::msg::dds_::Detection3DArray_"},
+      {"/headway/moving_obstacles", "nav2_dynamic_msgs::msg::dds_::ObstacleArray_"},
+      {"/headway/markers", "visualization_msgs::msg::dds_::MarkerArray_"}};
+  for (const char* ms : {"500", "1000", "1500", "2000", "2500", "3000"}) {
+    topics.emplace_back("/headway/predicted_" + std::string(ms) + "ms",
+                        "nav_msgs::msg::dds_::OccupancyGrid_");
+  }
+  std::set<std::string> subscribed;
+  for (const auto& [topic, type] : topics) {  // one after the other
+    const auto reader = peer_.bytesReader("rt" + topic, type, {}, [](const std::string&) {});
+    EXPECT_TRUE(waitUntil([&] {
+      addAll();
+      return sink_->messages().count(topic) > 0;
+    })) << topic;
+    for (const auto& [made, count] : sink_->messages()) {
+      const bool is_subscribed = made == topic || subscribed.count(made) > 0;
+      EXPECT_TRUE(is_subscribed) << made << " beside " << topic;
+    }
+    subscribed.insert(topic);
+  }
 }
 
 TEST_F(TopicSinkTest, DiagnosticsGoOnWithoutFrames) {

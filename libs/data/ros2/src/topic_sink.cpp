@@ -278,6 +278,15 @@ class TopicSink::Implementation {
     if (is_new && !odometry_.isEarly(sample->time)) send(*sample);
   }
 
+  [[nodiscard]] std::map<std::string, std::size_t> messages() const {
+    const std::lock_guard lock(sent_mutex_);
+    std::map<std::string, std::size_t> result;
+    for (const auto& [topic, sent] : sent_) {
+      if (sent.messages > 0) result[topic] = sent.messages;
+    }
+    return result;
+  }
+
  private:
   struct Topic {
     Publication publication;
@@ -569,6 +578,10 @@ void TopicSink::onFrame(const run::FrameResult& result, pipeline::Perception& pe
 
 void TopicSink::addObservation(const mrpt::obs::CObservation& observation) {
   implementation_->addObservation(observation);
+}
+
+std::map<std::string, std::size_t> TopicSink::messages() const {
+  return implementation_->messages();
 }
 
 }  // namespace headway::ros2

@@ -7,8 +7,10 @@
 #include <headway/run/session.h>
 #include <mrpt/obs/CObservation.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,6 +57,9 @@ class TopicSink : public run::Sink {
   /// An observation that the session gets, too: wheels and gyroscopes move the odometry on between
   /// frames, and all move the clock. By any thread.
   void addObservation(const mrpt::obs::CObservation& observation);
+
+  /// Messages that were made, by topic. By any thread.
+  [[nodiscard]] std::map<std::string, std::size_t> messages() const;
 
  private:
   class Implementation;
