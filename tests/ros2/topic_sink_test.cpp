@@ -187,11 +187,25 @@ TEST_F(TopicSinkTest, SensorsOf30HzOrMoreGiveOdometryAt30Hz) {
     EXPECT_GE(fewestInASecond(hz, [&](Time time, double x) { addWheels(time, x); }), 30) << hz;
   }
   EXPECT_GE(fewestInASecond(200.0, [&](Time time, double) { addRate(time, 0.1); }), 30);
+  int samples_so_far = 0;  // wheels that are too slow for it
+  EXPECT_GE(fewestInASecond(100.0,
+                            [&](Time time, double x) {
+                              addRate(time, 0.0);
+                              if (++samples_so_far % 10 == 0) addWheels(time, x);
+                            }),
+            30);
+  for (const auto& [time, x] : samples()) {
+    if (time < begin + 1.0) continue;
+    EXPECT_NEAR(x, time - begin, 0.01);
+  }
 }
 
 TEST_F(TopicSinkTest, TheRobotsOwnOdometryIsCorrected) {
   TopicSink::Hooks hooks;
-  hooks.others_odometry = [](Time) { return std::optional(planar(4.0)); };
+  std::atomic<bool> has_pause{false};
+  hooks.others_odometry = [&](Time) {
+    return has_pause ? std::nullopt : std::optional(planar(4.0));
+  };
   start({}, hooks);
   addFrame(100.0, planar(2.0), planar(1.0));
   ASSERT_TRUE(waitUntil([&] { return edges().size() == 2; }));
@@ -199,6 +213,10 @@ TEST_F(TopicSinkTest, TheRobotsOwnOdometryIsCorrected) {
   EXPECT_NEAR(edges().at("map>headway_odom"), 1.0, 1e-12);
   ASSERT_TRUE(waitUntil([&] { return !samples().empty(); }));
   EXPECT_EQ(frame_, "headway_odom");
+  has_pause = true;  // the correction remains
+  addFrame(100.1, planar(2.0), planar(1.5));
+  EXPECT_TRUE(waitUntil([&] { return edges().at("map>headway_odom") == 1.5; }));
+  EXPECT_NEAR(edges().at("map>odom"), 1.0 + 2.0 - 4.0, 1e-12);
 }
 
 TEST_F(TopicSinkTest, WithoutAPlaceInTheMapThereIsNoTransformToIt) {

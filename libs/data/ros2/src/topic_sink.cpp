@@ -28,7 +28,8 @@ namespace {
 constexpr char kLocalisation[] = "headway: localisation";
 constexpr char kOwnOdometry[] = "headway_odom";  // frame, where the robot has its own odometry
 
-/// The newest frame's odometry, moved on by wheels, or by the gyroscope at constant speed.
+/// The newest frame's odometry, moved on by wheels, and beyond them by the gyroscope at constant
+/// speed.
 class MotionBridge {
  public:
   static constexpr double kMaxBridge_s = 1.0;  // without images: then the odometry stands still
@@ -41,9 +42,6 @@ class MotionBridge {
       angular_velocity_ = logSo3(step.linear()) / dt;
     }
     frame_ = frame;
-    turn_ = Eigen::Matrix3d::Identity();
-    turned_until_ = frame.time;
-    for (const auto& rate : rates_) turnBy(rate);
   }
 
   /// Whether the sample moves the odometry on.
@@ -61,7 +59,6 @@ class MotionBridge {
     if (imu == nullptr || !imu->has(mrpt::obs::IMU_WX)) return false;
     keep(rates_, {time, Eigen::Vector3d(imu->get(mrpt::obs::IMU_WX), imu->get(mrpt::obs::IMU_WY),
                                         imu->get(mrpt::obs::IMU_WZ))});
-    turnBy(rates_.back());
     return true;
   }
 
@@ -72,17 +69,18 @@ class MotionBridge {
     sample.velocity = velocity_;
     sample.angular_velocity = angular_velocity_;
     const Time start = frame_->time;
+    const auto isNear = [&](Time time) { return time > start && time - start < kMaxBridge_s; };
+    Eigen::Vector3d velocity = velocity_;
     const auto at_frame = wheelsAt(start);
-    if (at_frame && wheels_.back().time > start && wheels_.back().time - start < kMaxBridge_s) {
-      const Pose step = at_frame->inverse(Eigen::Isometry) * wheels_.back().value;
-      sample.time = wheels_.back().time;
-      sample.T_odom_robot = frame_->T_odom_robot * step;
-    } else if (turned_until_ > start && turned_until_ - start < kMaxBridge_s) {
-      sample.time = turned_until_;
-      sample.T_odom_robot.translation() +=
-          frame_->T_odom_robot.linear() * velocity_ * (turned_until_ - start);
-      sample.T_odom_robot.linear() = frame_->T_odom_robot.linear() * turn_;
+    if (at_frame && isNear(wheels_.back().time)) {
+      const auto& before = *(wheels_.end() - 2);
+      const auto& last = wheels_.back();
+      sample.time = last.time;
+      sample.T_odom_robot = frame_->T_odom_robot * at_frame->inverse(Eigen::Isometry) * last.value;
+      velocity = (before.value.inverse(Eigen::Isometry) * last.value).translation() /
+                 (last.time - before.time);
     }
+    if (!rates_.empty() && isNear(rates_.back().time)) turn(velocity, sample);
     return sample;
   }
 
@@ -94,10 +92,18 @@ class MotionBridge {
     while (sample.time - samples.front().time > 2.0 * kMaxBridge_s) samples.pop_front();
   }
 
-  void turnBy(const Stamped<Eigen::Vector3d>& rate) {
-    if (!frame_ || rate.time <= turned_until_) return;
-    turn_ = turn_ * expSo3(rate.value * (rate.time - turned_until_));
-    turned_until_ = rate.time;
+  /// Moves a sample on by the rates that are newer, at constant speed.
+  void turn(const Eigen::Vector3d& velocity, OdometrySample& sample) const {
+    auto rate = rates_.end();
+    while (rate != rates_.begin() && (rate - 1)->time > sample.time) --rate;
+    auto axes = sample.T_odom_robot.linear();
+    if (rate != rates_.end()) {
+      sample.T_odom_robot.translation() += axes * velocity * (rates_.back().time - sample.time);
+    }
+    for (; rate != rates_.end(); ++rate) {
+      axes = axes * expSo3(rate->value * (rate->time - sample.time));
+      sample.time = rate->time;
+    }
   }
 
   [[nodiscard]] std::optional<Pose> wheelsAt(Time time) const {
@@ -118,8 +124,6 @@ class MotionBridge {
   Eigen::Vector3d angular_velocity_ = Eigen::Vector3d::Zero();  ///< the same
   std::deque<Stamped<Pose>> wheels_;
   std::deque<Stamped<Eigen::Vector3d>> rates_;
-  Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< since the frame
-  Time turned_until_ = 0.0;
 };
 
 /// A square around the robot, in the odometry frame, of cells that are free at first.
@@ -366,8 +370,9 @@ class TopicSink::Implementation {
     const bool is_in_map = camera.submap == 0 && (camera.status == slam::TrackingStatus::kTracked ||
                                                   camera.status == slam::TrackingStatus::kLost);
     T_map_odom_.reset();
-    T_map_others_.reset();
     if (is_in_map) T_map_odom_ = camera.T_map_odom;
+    if (!is_in_map) T_map_others_.reset();  // else it stays while others pause
+    has_others_ = has_others_ || others.has_value();
     if (is_in_map && others) {
       T_map_others_ = normalized(camera.T_map_robot * others->inverse(Eigen::Isometry));
     }
@@ -387,8 +392,8 @@ class TopicSink::Implementation {
     std::vector<bags::TransformMessage> transforms;
     const MessageHeader in_map = headerOf(sample.time, params_.map_frame);
     if (params_.map_odom && T_map_odom_) {
-      transforms.push_back(
-          {in_map, params_.odom_frame, T_map_others_ ? *T_map_others_ : *T_map_odom_});
+      const auto& T_map_frame = has_others_ ? T_map_others_ : T_map_odom_;
+      if (T_map_frame) transforms.push_back({in_map, params_.odom_frame, *T_map_frame});
       if (!params_.odom_base) transforms.push_back({in_map, kOwnOdometry, *T_map_odom_});
     }
     if (params_.odom_base) {
@@ -532,6 +537,7 @@ class TopicSink::Implementation {
   std::mutex mutex_;
   MotionBridge bridge_;                            // guarded by mutex_, like the members below
   std::optional<Pose> T_map_odom_, T_map_others_;  ///< of the newest frame, if they are known
+  bool has_others_ = false;                        ///< did others ever publish the odometry?
   Topic odometry_;
   Publication transforms_, clock_;
   Time clock_time_ = 0.0;
