@@ -65,6 +65,46 @@ class LiveProgram {
   int process_ = 0;
 };
 
+std::vector<std::string> predictedTopics() {
+  std::vector<std::string> topics;
+  for (const char* ms : {"500", "1000", "1500", "2000", "2500", "3000"}) {
+    topics.push_back("/headway/predicted_" + std::string(ms) + "ms");
+  }
+  return topics;
+}
+
+template <typename Header>
+Time timeOf(const Header& header) {
+  return header.stamp().sec() + 1e-9 * header.stamp().nanosec();
+}
+
+template <typename Place, typename Rotation>
+Pose poseOf(const Place& place, const Rotation& rotation) {
+  Pose pose = Pose::Identity();
+  pose.translation() << place.x(), place.y(), place.z();
+  pose.linear() = Eigen::Quaterniond(rotation.w(), rotation.x(), rotation.y(), rotation.z())
+                      .normalized()
+                      .toRotationMatrix();
+  return pose;
+}
+
+/// Between the poses around a time; nullopt outside of them.
+std::optional<Pose> poseAt(const std::vector<Stamped<Pose>>& poses, Time time) {
+  const auto after =
+      std::find_if(poses.begin(), poses.end(), [&](const auto& pose) { return pose.time >= time; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->time == time) return after->value;
+  if (after == poses.begin()) return std::nullopt;
+  const auto& before = *(after - 1);
+  const double ratio = (time - before.time) / (after->time - before.time);
+  Pose pose = Pose::Identity();
+  pose.translation() =
+      (1.0 - ratio) * before.value.translation() + ratio * after->value.translation();
+  pose.linear() =
+      quaternionOf(before.value).slerp(ratio, quaternionOf(after->value)).toRotationMatrix();
+  return pose;
+}
+
 /// Everything that headway publishes, as another implementation receives it.
 class Audience {
  public:
@@ -74,25 +114,34 @@ class Audience {
     using tf2_msgs::msg::dds_::TFMessage_PubSubType;
     add<TFMessage_PubSubType>(peer, "/tf", [this](const auto& message) {
       for (const auto& transform : message.transforms()) {
-        edges_.insert(transform.header().frame_id() + ">" + transform.child_frame_id());
+        const std::string edge = transform.header().frame_id() + ">" + transform.child_frame_id();
+        edges_.insert(edge);
+        const auto& pose = transform.transform();
+        transforms_[edge].push_back(
+            {timeOf(transform.header()), poseOf(pose.translation(), pose.rotation())});
         if (transform.child_frame_id() != "base_link") continue;
         const auto& place = transform.transform().translation();
         last_place_ = {place.x(), place.y(), place.z()};
       }
     });
     add<Odometry_PubSubType>(peer, "/headway/odometry", [this](const auto& message) {
-      const Time time = message.header().stamp().sec() + 1e-9 * message.header().stamp().nanosec();
+      const Time time = timeOf(message.header());
       if (!stamps_.empty() && time <= stamps_.back()) ++backward_;
       stamps_.push_back(time);
+      const auto& pose = message.pose().pose();
+      odometry_.push_back({time, poseOf(pose.position(), pose.orientation())});
     });
     add<OccupancyGrid_PubSubType>(peer, "/map", [](const auto&) {}, {true, true, 1});
     add<OccupancyGrid_PubSubType>(peer, "/headway/local_costmap", [this](const auto& message) {
       for (const auto cell : message.data()) local_states_.insert(cell);
     });
-    add<OccupancyGrid_PubSubType>(peer, "/headway/predicted_1000ms", [](const auto&) {});
+    for (const auto& topic : predictedTopics()) {
+      add<OccupancyGrid_PubSubType>(peer, topic, [](const auto&) {});
+    }
     add<PointCloud2_PubSubType>(peer, "/headway/obstacles", [this](const auto& message) {
       obstacle_frame_ = message.header().frame_id();
       obstacles_ += message.width();
+      frames_.insert(test::Results::keyOf(timeOf(message.header())));
     });
     add<PointCloud2_PubSubType>(peer, "/headway/dense_map", [](const auto&) {});
     add<vision_msgs::msg::dds_::Detection3DArray_PubSubType>(
@@ -119,12 +168,19 @@ class Audience {
     const std::lock_guard lock(mutex_);
     return health_.count(name) > 0;
   }
+  /// Whether its obstacles have come.
+  bool hasFrame(Time time) {
+    const std::lock_guard lock(mutex_);
+    return frames_.count(test::Results::keyOf(time)) > 0;
+  }
   /// Ends the reception.
   void close() { readers_.clear(); }
 
   std::set<std::string> edges_, health_;
   std::set<int> local_states_;
   std::vector<Time> stamps_;
+  std::vector<Stamped<Pose>> odometry_;
+  std::map<std::string, std::vector<Stamped<Pose>>> transforms_;  // by frame and child
   std::size_t backward_ = 0, obstacles_ = 0, detections_ = 0, moving_ = 0;
   std::string obstacle_frame_;
   Eigen::Vector3d last_place_ = Eigen::Vector3d::Zero();
@@ -143,6 +199,7 @@ class Audience {
 
   std::mutex mutex_;  // guards everything above and below
   std::map<std::string, std::size_t> counts_;
+  std::set<long> frames_;
   std::vector<std::unique_ptr<FastDdsPeer::Reader>> readers_;
 };
 
@@ -150,10 +207,8 @@ class Audience {
 class Recorder {
  public:
   Recorder(FastDdsPeer& peer, const std::string& path) : lines_(path) {
-    for (const char* name :
-         {"/headway/local_costmap", "/headway/predicted_500ms", "/headway/predicted_3000ms"}) {
-      add(peer, name, "nav_msgs", "OccupancyGrid");
-    }
+    for (const auto& topic : predictedTopics()) add(peer, topic, "nav_msgs", "OccupancyGrid");
+    add(peer, "/headway/local_costmap", "nav_msgs", "OccupancyGrid");
     add(peer, "/map", "nav_msgs", "OccupancyGrid", {true, true, 1});
     add(peer, "/headway/odometry", "nav_msgs", "Odometry");
     add(peer, "/headway/obstacles", "sensor_msgs", "PointCloud2");
@@ -239,11 +294,13 @@ class RobotDriveTest : public ::testing::Test {
 };
 
 TEST_F(RobotDriveTest, ResultsAreTopics) {
+  std::vector<std::string> topics = predictedTopics();
   for (const char* topic :
-       {"/tf", "/map", "/headway/local_costmap", "/headway/predicted_1000ms", "/headway/obstacles",
+       {"/tf", "/map", "/headway/local_costmap", "/headway/dense_map", "/headway/obstacles",
         "/headway/detections", "/headway/moving_obstacles", "/headway/markers", "/diagnostics"}) {
-    EXPECT_GT(audience_->count(topic), 0U) << topic;
+    topics.emplace_back(topic);
   }
+  for (const auto& topic : topics) EXPECT_GT(audience_->count(topic), 0U) << topic;
   EXPECT_THAT(audience_->edges_, ::testing::IsSupersetOf({"map>odom", "odom>base_link"}));
   EXPECT_EQ(audience_->backward_, 0U);
   EXPECT_GT(audience_->obstacles_, 0U);
@@ -409,6 +466,86 @@ TEST_F(LiveRos2Test, ADepthCameraIsFollowedByItsTopics) {
             test::hasSmallReceiveBuffers())
       << live.output();
   EXPECT_THAT(live.output(), Not(HasSubstr("ROS 2 domain")));
+}
+
+/// With an inertial sensor, wheels that are the odometry of others, and a laser.
+TEST_F(LiveRos2Test, ARobotsOwnOdometryIsCorrectedBetweenFramesToo) {
+  constexpr std::size_t kFrames = 35;
+  const std::string rawlog = folder_ / "hall.rawlog";
+  const auto simulated = test::runProcess(
+      test::program("headway-sim") + " -q -c " + std::string(HEADWAY_SOURCE_DIR) +
+      "/config/worlds/hall.ini --seed 61 --rig robot --frames " + std::to_string(kFrames) + " -o " +
+      rawlog +
+      " --set recording.storage=embedded --set camera.width=376 --set camera.height=240 --set "
+      "camera.focal_px=205 --set camera.rate_hz=10 --set camera.imu=true --set "
+      "camera.odometry=true --set laser.enabled=true");
+  ASSERT_EQ(simulated.status, 0) << simulated.output;
+  test::Robot robot(peer_, rawlog);
+  Audience audience(peer_);
+  robot.on_frame = [&](Time time) {  // no machine is too slow
+    for (int poll = 0; poll < 50 && !audience.hasFrame(time); ++poll) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  };
+  LiveProgram live("--ros2 --ros2-interface lo -w -o " + out(), folder_, domain_);
+  ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
+  EXPECT_EQ(robot.play(1.0, stop_), kFrames);
+  EXPECT_TRUE(waitUntil([&] {
+    return audience.isHealthy("headway: sensor /imu") &&
+           audience.isHealthy("headway: sensor /odom") &&
+           audience.isHealthy("headway: sensor /scan");
+  })) << live.output();
+  EXPECT_EQ(live.end(SIGTERM), 0) << live.output();
+  audience.close();
+
+  const auto summary = nlohmann::json::parse(std::ifstream(out() + "/summary.json"));
+  EXPECT_GT(summary["laser"]["used"], 0) << summary["laser"];
+
+  // The pose in the map by the corrected odometry of the robot, by headway's, and the true one.
+  std::vector<Stamped<Pose>> truth;
+  std::ifstream rows(folder_ / "hall.truth/trajectory.tum");
+  for (std::string row; std::getline(rows, row);) {
+    std::istringstream fields(row);
+    Stamped<Pose> pose{0.0, Pose::Identity()};
+    Eigen::Quaterniond q;
+    auto place = pose.value.translation();
+    if (!(fields >> pose.time >> place.x() >> place.y() >> place.z())) continue;
+    fields >> q.x() >> q.y() >> q.z() >> q.w();
+    pose.value.linear() = q.toRotationMatrix();
+    truth.push_back(pose);
+  }
+  auto& transforms = audience.transforms_;
+  std::size_t compared = 0;
+  double difference_m = 0.0, error_m = 0.0;
+  for (const auto& [time, T_map_odom] : transforms["map>odom"]) {
+    const auto T_odom_robot = poseAt(transforms["odom>base_link"], time);
+    const auto T_map_own = poseAt(transforms["map>headway_odom"], time);
+    const auto T_own_robot = poseAt(audience.odometry_, time);
+    const auto T_map_true = poseAt(truth, time);
+    if (!T_odom_robot || !T_map_own || !T_own_robot || !T_map_true) continue;
+    ++compared;
+    const Eigen::Vector3d place = (T_map_odom * *T_odom_robot).translation();
+    difference_m =
+        std::max(difference_m, (place - (*T_map_own * *T_own_robot).translation()).norm());
+    error_m = std::max(error_m, (place - T_map_true->translation()).norm());
+  }
+  EXPECT_GT(compared, 2 * kFrames);
+  EXPECT_LT(difference_m, 0.03);
+  EXPECT_LT(error_m, 0.1);
+  EXPECT_GT(truth.back().value.translation().norm(), 0.8);                 // it drives
+  EXPECT_LE(transforms["odom>base_link"].size(), robot.sent().at("/tf"));  // headway sends none
+  // At 30 Hz or more, without a gap of an image.
+  const auto& stamps = audience.stamps_;
+  ASSERT_GT(stamps.size(), kFrames);
+  EXPECT_GE(static_cast<double>(stamps.size() - 1), 30.0 * (stamps.back() - stamps.front()));
+  double gap_s = 0.0;
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    gap_s = std::max(gap_s, stamps[i] - stamps[i - 1]);
+  }
+  EXPECT_LT(gap_s, 0.099);
+  std::printf("%zu poses, %.1f Hz, difference %.4f m, error %.3f m, gap %.3f s\n", compared,
+              static_cast<double>(stamps.size() - 1) / (stamps.back() - stamps.front()),
+              difference_m, error_m, gap_s);
 }
 
 /// A corridor that looks the same every 10.24 m: in its map, only who is told knows where it is.
