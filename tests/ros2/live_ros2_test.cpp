@@ -32,23 +32,20 @@ using ::testing::Not;
 
 std::string streetRawlog() { return std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/street.rawlog"; }
 
-/// A running headway-live.
-class LiveProgram {
+/// A program that runs beside the test, whose output is in NAME.txt.
+class RunningProgram {
  public:
-  LiveProgram(const std::string& arguments, const test::TemporaryFolder& folder, int domain)
-      : LiveProgram(arguments, folder.path().string(), domain) {}
-  LiveProgram(const std::string& arguments, const std::string& folder, int domain)
-      : out_(folder + "/live.txt"), end_(folder + "/live.status") {
+  RunningProgram(const std::string& command, const std::string& folder, const std::string& name)
+      : out_(folder + "/" + name + ".txt"), end_(folder + "/" + name + ".status") {
     std::filesystem::remove(end_);
-    (void)test::runProcess("( ROS_DOMAIN_ID=" + std::to_string(domain) + " " +
-                           test::program("headway-live") + " " + arguments + " >" + out_ +
-                           " 2>&1 & echo $! >" + folder + "/live.pid; wait $!; echo $? >" + end_ +
-                           " ) >/dev/null 2>&1 & sleep 0.2");
-    process_ = std::stoi(test::contentsOf(folder + "/live.pid"));
+    const std::string id = folder + "/" + name + ".pid";
+    (void)test::runProcess("( " + command + " >" + out_ + " 2>&1 & echo $! >" + id +
+                           "; wait $!; echo $? >" + end_ + " ) >/dev/null 2>&1 & sleep 0.2");
+    process_ = std::stoi(test::contentsOf(id));
   }
-  ~LiveProgram() { (void)end(SIGKILL); }
-  LiveProgram(const LiveProgram&) = delete;
-  LiveProgram& operator=(const LiveProgram&) = delete;
+  ~RunningProgram() { (void)end(SIGKILL); }
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
 
   [[nodiscard]] std::string output() const { return test::contentsOf(out_); }
   [[nodiscard]] bool hasEnded() const { return !test::contentsOf(end_).empty(); }
@@ -63,6 +60,15 @@ class LiveProgram {
  private:
   std::string out_, end_;
   int process_ = 0;
+};
+
+/// A running headway-live.
+class LiveProgram : public RunningProgram {
+ public:
+  LiveProgram(const std::string& arguments, const std::string& folder, int domain)
+      : RunningProgram("ROS_DOMAIN_ID=" + std::to_string(domain) + " " +
+                           test::program("headway-live") + " " + arguments,
+                       folder, "live") {}
 };
 
 std::vector<std::string> predictedTopics() {
@@ -389,26 +395,43 @@ class LiveRos2Test : public ::testing::Test {
   std::atomic<bool> stop_{false};
 };
 
+/// Both are programs of their own, killed while the robot drives.
 TEST_F(LiveRos2Test, EitherSideIsKilledAndComesBack) {
   const std::string arguments =
       "--ros2 --left /left/image/compressed --right "
       "/right/image/compressed --ros2-interface lo -w -o " +
       out();
+  const auto startRobot = [&](double shift_s) {
+    return std::make_unique<RunningProgram>(std::string(HEADWAY_ROBOT) + " -i " + streetRawlog() +
+                                                " --domain " + std::to_string(domain_) +
+                                                " --compressed --laps 1000 --shift " +
+                                                std::to_string(shift_s),
+                                            folder_.path().string(), "robot");
+  };
   auto live = std::make_unique<LiveProgram>(arguments, folder_.path().string(), domain_);
-  const auto tracked = [&] { return live->output().find("tracked (") != std::string::npos; };
-  for (int round = 0; round < 2; ++round) {
-    FastDdsPeer peer(domain_);
-    test::Robot robot(peer, streetRawlog(), true, 100.0 * round);
-    ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live->output();
-    (void)robot.play(1.0, stop_);
-    EXPECT_TRUE(waitUntil(tracked)) << live->output();
-    if (round > 0) break;
-    (void)live->end(SIGKILL);
-    live = std::make_unique<LiveProgram>(arguments, folder_.path().string(), domain_);
-    ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live->output();
-    (void)robot.play(1.0, stop_);
-    EXPECT_TRUE(waitUntil(tracked)) << live->output();
-  }
+  // Numbers of the frames that were tracked, by the status of each second.
+  const auto tracked = [&] {
+    std::vector<int> frames;
+    std::istringstream lines(live->output());
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind("frame ", 0) != 0 || line.find(" deg, tracked") == std::string::npos) continue;
+      frames.push_back(std::stoi(line.substr(6)));
+    }
+    return frames;
+  };
+  auto robot = startRobot(0.0);
+  ASSERT_TRUE(waitUntil([&] { return tracked().size() >= 2; })) << live->output();
+  ASSERT_FALSE(robot->hasEnded()) << robot->output();
+  EXPECT_EQ(robot->end(SIGKILL), 128 + SIGKILL);
+  ASSERT_TRUE(waitUntil([&] { return live->output().find("no images") != std::string::npos; }))
+      << live->output();
+  const int last = tracked().back();
+  robot = startRobot(1000.0);
+  EXPECT_TRUE(waitUntil([&] { return tracked().back() > last + 1; })) << live->output();
+  EXPECT_EQ(live->end(SIGKILL), 128 + SIGKILL);
+  live = std::make_unique<LiveProgram>(arguments, folder_.path().string(), domain_);
+  EXPECT_TRUE(waitUntil([&] { return tracked().size() >= 2; })) << live->output();
+  EXPECT_FALSE(robot->hasEnded()) << robot->output();
   EXPECT_EQ(live->end(SIGTERM), 0) << live->output();
 }
 
@@ -452,7 +475,7 @@ TEST_F(LiveRos2Test, ADepthCameraIsFollowedByItsTopics) {
   const test::Results results(peer_);
   robot.on_frame = [&](Time time) { results.await(time); };
   LiveProgram live("-q --color /color/image --depth /depth/image --ros2-interface lo -o " + out(),
-                   folder_, domain_);
+                   folder_.path().string(), domain_);
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
   EXPECT_EQ(robot.play(1.0, stop_), 60U);
   EXPECT_TRUE(waitUntil([&] { return results.stamps().size() > 30; })) << live.output();
@@ -487,7 +510,7 @@ TEST_F(LiveRos2Test, ARobotsOwnOdometryIsCorrectedBetweenFramesToo) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   };
-  LiveProgram live("--ros2 --ros2-interface lo -w -o " + out(), folder_, domain_);
+  LiveProgram live("--ros2 --ros2-interface lo -w -o " + out(), folder_.path().string(), domain_);
   ASSERT_TRUE(waitUntil([&] { return robot.isWatched(); })) << live.output();
   EXPECT_EQ(robot.play(1.0, stop_), kFrames);
   EXPECT_TRUE(waitUntil([&] {

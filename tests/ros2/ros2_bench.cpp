@@ -193,6 +193,7 @@ int runBench(int argc, const char* const* argv) {
   line.option(options.laps, 0, "laps", "N", "how often it is played");
   line.option(first, 0, "first", "N", "first frame of a lap");
   line.option(end, 0, "end", "N", "frame behind its last one; 0: that of the rawlog");
+  line.option(options.lap.shift_s, 0, "shift", "S", "added to all times [s]");
   line.flag(options.is_alone, 0, "alone", "measure the transport alone");
   line.flag(options.is_compressed, 0, "compressed", "send stereo images as JPEG");
   if (!line.parse(argc, argv)) return program::kDone;
