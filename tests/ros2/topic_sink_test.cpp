@@ -408,6 +408,29 @@ TEST_F(TopicSinkTest, DiagnosticsGoOnWithoutFrames) {
   }));
 }
 
+/// As at the end of a recording that is played again and again.
+TEST_F(TopicSinkTest, TheClockIsSetBackWithTheObservations) {
+  std::set<int> times;
+  const auto reader = peer_.reader<rosgraph_msgs::msg::dds_::Clock_PubSubType>(
+      "rt/clock", {}, [&](const auto& message) {
+        const std::lock_guard lock(mutex_);
+        times.insert(message.clock().sec());
+      });
+  Ros2SinkParams params;
+  params.clock = true;
+  sink_.emplace(*node_, params);
+  for (const int time : {100, 50, 51}) {
+    EXPECT_TRUE(waitUntil([&] {
+      addWheels(time, 0.0);
+      addWheels(time - 0.1, 0.0);  // out of order
+      const std::lock_guard lock(mutex_);
+      return times.count(time) > 0;
+    })) << time;
+  }
+  const std::lock_guard lock(mutex_);
+  EXPECT_THAT(times, ::testing::ElementsAre(50, 51, 100));
+}
+
 TEST_F(TopicSinkTest, AClockThatIsSetBackIsNamed) {
   for (const Time time : {100.0, 100.1, 90.0}) {
     RecordedFrame frame;

@@ -272,7 +272,8 @@ class TopicSink::Implementation {
   void addObservation(const mrpt::obs::CObservation& observation) {
     const Time time = io::timeFrom(observation.timestamp);
     const std::lock_guard lock(mutex_);
-    if (params_.clock && time > clock_time_ && clock_.hasSubscribers()) {
+    const bool is_ahead = time > clock_time_ || isSetBack(time, clock_time_);
+    if (params_.clock && is_ahead && clock_.hasSubscribers()) {
       clock_time_ = time;
       publish(clock_, clockMessage(time));
     }
@@ -309,6 +310,9 @@ class TopicSink::Implementation {
       return true;
     }
   };
+
+  /// Whether a clock was set back, or a recording begins again; not only out of order.
+  static bool isSetBack(Time time, Time last) { return time < last - MotionBridge::kMaxBridge_s; }
 
   // Subscribers that stop reading --------------------------------------------------------------
 
@@ -377,8 +381,7 @@ class TopicSink::Implementation {
       T_map_others_ = normalized(camera.T_map_robot * others->inverse(Eigen::Isometry));
     }
     bridge_.setFrame(frame);
-    const bool is_set_back = time < odometry_.last - MotionBridge::kMaxBridge_s;
-    if (is_set_back) odometry_.last = 0.0;
+    if (isSetBack(time, odometry_.last)) odometry_.last = 0.0;
     const auto sample = bridge_.newest();
     if (sample && sample->time > odometry_.last) send(*sample);
   }
