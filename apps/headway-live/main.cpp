@@ -426,6 +426,13 @@ void sayNetwork(const live::Ros2Connection& ros2, bool quiet) {
   if (quiet && !ros2.bufferHint().empty()) warn("ROS 2: " + ros2.bufferHint());
 }
 
+/// Stops a connection at the end of a scope, before what it uses ends.
+std::shared_ptr<void> stopAtEnd(std::optional<live::Ros2Connection>& ros2) {
+  return {nullptr, [&ros2](void*) {
+            if (ros2) ros2->stop();
+          }};
+}
+
 /// Runs sensors and pipeline until they are interrupted.
 void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
              const Params& all_params) {
@@ -462,17 +469,14 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     sayNetwork(*ros2, quiet);
     ros2->start();
   }
-  const auto stop = [&](void*) {
-    if (ros2) ros2->stop();
-  };
-  const std::shared_ptr<void> before_sensors(nullptr, stop);  // end, of which it speaks
+  const auto before_sensors = stopAtEnd(ros2);  // of which it speaks
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
   StatusLine status(quiet, source, page.get(), options.pair_tolerance_s, topics);
   if (sensors) sensors->start();
   if (!waitForCamera(source, options.pair_tolerance_s, topics)) return;
   replay::Replay pipeline(options.run, std::make_unique<LiveFrames>(source, topics), params,
                           all_params);
-  const std::shared_ptr<void> before_pipeline(nullptr, stop);  // ends, which it uses
+  const auto before_pipeline = stopAtEnd(ros2);  // which it uses
   if (!options.initial_pose.empty()) {
     pipeline.perception().setInitialPose(initialPoseOf(options.initial_pose));
   }
