@@ -25,5 +25,5 @@ fi
 export DEB_BUILD_OPTIONS="${DEB_BUILD_OPTIONS:-noautodbgsym} parallel=$(nproc)"
 (cd "$source_folder" && dpkg-buildpackage --build=binary --no-sign)
 
-lintian --fail-on error --info "$output"/*.changes | tee "$output/lintian.txt"
+lintian --fail-on error,warning --info "$output"/*.changes | tee "$output/lintian.txt"
 ls -l "$output"/*.deb
