@@ -341,8 +341,10 @@ TEST_F(TopicSinkTest, EachTopicIsMadeForItsSubscribersAlone) {
                         "nav_msgs::msg::dds_::OccupancyGrid_");
   }
   std::set<std::string> subscribed;
-  for (const auto& [topic, type] : topics) {  // one after the other
-    const auto reader = peer_.bytesReader("rt" + topic, type, {}, [](const std::string&) {});
+  for (const auto& entry : topics) {  // one after the other
+    const std::string& topic = entry.first;
+    const auto reader =
+        peer_.bytesReader("rt" + topic, entry.second, {}, [](const std::string&) {});
     EXPECT_TRUE(waitUntil([&] {
       addAll();
       return sink_->messages().count(topic) > 0;

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # All tests of units and programs, the slow and the nightly ones too, as another preset builds them: `asan` under the
 # address and undefined-behaviour sanitizers, `clang` optimised by Clang. Left out: the README's commands, which build
-# headway anew; under sanitizers Fast DDS and Python, which trip them by themselves, and what a test says that it skips.
+# headway anew; under sanitizers Python, which trips them by itself, headway-live beside a robot of ROS 2, for which they
+# are too slow, and what a test says that it skips.
 # Usage: programs.sh PRESET SOURCE_DIR [ARGUMENT_OF_CTEST ...]
 set -euo pipefail
 preset=$1
