@@ -73,10 +73,28 @@ TEST_P(ShiftedImageTest, IsNoticedByTheMap) {
   }
 }
 
+/// In small images, where rows differ by a fraction of a pixel.
+class SmallImageTest : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(SmallImageTest, OfAnotherTimeIsNoticedWithinASecond) {
+  for (const auto& [name, begin] : {std::pair("street.rawlog", 25), std::pair("hall.rawlog", 40)}) {
+    SCOPED_TRACE(name);
+    const Frames frames = recorded(name, kStreetFrames + 10, 173);
+    const double interval_s = frames[1].time - frames[0].time;
+    const auto second = static_cast<std::size_t>(std::lround(1.0 / interval_s));
+    const auto first = static_cast<std::size_t>(begin);
+    const auto doubted =
+        doubtedFrames(frames, failingRigs()[GetParam()].fail, first, first + second + 5);
+    for (std::size_t i = 0; i < first; ++i) EXPECT_FALSE(doubted[i]) << i;
+    for (std::size_t i = first + second; i < first + second + 5; ++i) EXPECT_TRUE(doubted[i]) << i;
+  }
+}
+
 /// Good images at the recorded rate, and at a half and a third of it.
 TEST(GoodImagesTest, AreNotDoubted) {
   for (const auto& [name, width] :
-       {std::pair("street.rawlog", 336), std::pair("hall.rawlog", 320)}) {
+       {std::pair("street.rawlog", 336), std::pair("hall.rawlog", 320),
+        std::pair("street.rawlog", 173), std::pair("hall.rawlog", 173)}) {
     const Frames all = recorded(name, 90, width);
     for (const std::size_t every : {1U, 2U, 3U}) {
       SCOPED_TRACE(name + std::string(", every ") + std::to_string(every));
@@ -96,6 +114,8 @@ TEST(GoodImagesTest, AreNotDoubted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pairs, ShiftedImageTest, testing::Range<std::size_t>(9, 12),
+                         [](const auto& index) { return failingRigs()[index.param].name; });
+INSTANTIATE_TEST_SUITE_P(Pairs, SmallImageTest, testing::Range<std::size_t>(4, 6),
                          [](const auto& index) { return failingRigs()[index.param].name; });
 INSTANTIATE_TEST_SUITE_P(Pairs, OneEyeTest, testing::Range<std::size_t>(0, 9),
                          [](const auto& index) { return failingRigs()[index.param].name; });

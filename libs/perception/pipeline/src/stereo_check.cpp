@@ -16,10 +16,16 @@
 namespace headway::pipeline {
 namespace {
 
-constexpr double kIntervalS = 0.4;
-constexpr int kFirstFrames = 5;       ///< all of them are compared, and may refuse the camera,
-constexpr int kMinRefusing = 3;       ///< so many at least
-constexpr double kMarginOfMap = 3.0;  ///< sigmas: a map is changed by what is sure alone
+/// When pairs are compared.
+struct ComparisonTimes {
+  double interval_s = 0.4;
+  double suspected_s = 0.09;  ///< where images of different times are suspected
+  int first = 5;              ///< frames: all of them are compared, and may refuse the camera,
+  int min_refusing = 3;       ///< so many at least
+};
+constexpr ComparisonTimes kTimes;
+
+constexpr double kMarginOfMap = 3.0;         ///< sigmas: a map is changed by what is sure alone
 constexpr double kIndependentOffset = 0.25;  ///< ratio of information: the same points recur
 
 /// The search for corners of the left image in the right one, in reduced images.
@@ -51,10 +57,14 @@ struct PairLimits {
   double swapped_ratio = 0.8;    ///< so many have no point before the cameras
   double min_agreement = 0.7;    ///< ratio of points that agree on an offset
   // Rows that differ as the left image moves:
-  double min_flow_px = 0.3;      ///< RMS motion: twice the noise of rows
+  double min_flow_px = 0.15;     ///< RMS motion that tells something: the noise of rows,
+  double max_flow_px = 0.3;      ///< in wide images, with the errors of a calibration, twice it
+  double flow_per_width = 6e-4;  ///< between both
+  double rows_px = 0.1;          ///< noise of rows, at least
+  double min_moving = 8.0;       ///< corners
   double max_deviations = 5.0;   ///< median ones: motion of points that count
-  double min_late_frames = 0.5;  ///< less is the trigger's jitter, or a focal length that differs
-  double explained = 0.4;        ///< ratio of the rows' squares
+  double most = 0.35 * Evidence::kDecisive;  ///< that a comparison says: three decide
+  double rest = -1.0;                        ///< what it says without motion: images at rest agree
 };
 
 /// When a scene is too near to be matched.
@@ -103,11 +113,6 @@ void StereoCheck::assume(const Eigen::Vector3d& turn) {
   turn_ = known_ = turn;
   margin_sigmas_ = kMarginOfMap;
 }
-
-struct StereoCheck::Match {
-  stereo::RowMatch row;
-  double disparity = 0.0;  ///< [px]
-};
 
 namespace {
 
@@ -235,51 +240,51 @@ StereoCheck::Condition StereoCheck::compare(const std::vector<Match>& matches,
                                                                : Condition::kNone;
 }
 
-/// Compares rows with the motion of the left image since the frame before, at its matches.
-void StereoCheck::addMotion(const StereoFrame& frame, const cv::Mat& left_before,
-                            const std::vector<Match>& matches) {
-  motion_ = {};
-  if (left_before.size() != frame.left.size() || matches.size() < kLimits.min_matches) return;
+/// Takes what matches say of a right image that was taken with another left one: rows that differ
+/// as the points do between both left images leave less unexplained than rows that agree. Less than
+/// half of it is the trigger's jitter, or a focal length that differs.
+void StereoCheck::compareTimes(const std::vector<Match>& matches, const cv::Mat& left_image,
+                               const cv::Mat& other, const StereoCamera* camera,
+                               Timing& timing) const {
+  if (other.size() != left_image.size()) return;
   std::vector<Eigen::Vector2d> left;
   for (const Match& one : matches) {
     left.push_back(one.row.right + Eigen::Vector2d(one.disparity, -one.row.rows));
   }
   const int levels = kFlow.coarsest_level + 1;
-  const auto before = stereo::trackPoints(
-      stereo::buildPyramid(frame.left, levels, stereo::Gradients::kAll),
-      stereo::buildPyramid(left_before, levels, stereo::Gradients::kAll), left, left, kFlow);
+  const auto found = stereo::trackPoints(
+      stereo::buildPyramid(left_image, levels, stereo::Gradients::kAll),
+      stereo::buildPyramid(other, levels, stereo::Gradients::kAll), left, left, kFlow);
   std::vector<double> rows, flows, deviations;
   for (std::size_t i = 0; i < left.size(); ++i) {
-    if (!before[i]) continue;
-    const double by_turn = frame.camera == nullptr
-                               ? 0.0
-                               : stereo::rowShift(matches[i].row.right, turn_, *frame.camera);
+    if (!found[i]) continue;
+    const double by_turn =
+        camera == nullptr ? 0.0 : stereo::rowShift(matches[i].row.right, turn_, *camera);
     rows.push_back(matches[i].row.rows - by_turn);
-    flows.push_back(left[i].y() - before[i]->y());
+    flows.push_back(found[i]->y() - left[i].y());
   }
-  if (rows.size() < kLimits.min_matches) return;
   const double usual_row = median(rows), usual_flow = median(flows);
   for (const double flow : flows) deviations.push_back(std::abs(flow - usual_flow));
   const double max_flow = kLimits.max_deviations * median(deviations);
+  double corners = 0.0, rows2 = 0.0, flow2 = 0.0, both = 0.0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double row = rows[i] - usual_row, flow = flows[i] - usual_flow;
     if (std::abs(flow) > max_flow) continue;  // mistaken, or something else that moves
-    motion_.corners += 1.0;
-    motion_.rows2 += row * row;
-    motion_.flow2 += flow * flow;
-    motion_.both += row * flow;
+    corners += 1.0;
+    rows2 += row * row;
+    flow2 += flow * flow;
+    both += row * flow;
   }
-}
-
-/// By which the right images are late, or early if negative; 0 unless that is sure.
-double StereoCheck::framesLate() const {
-  const auto& [corners, rows2, flow2, both] = motion_;
-  const bool is_moving = flow2 > corners * kLimits.min_flow_px * kLimits.min_flow_px;
-  if (!is_moving || corners < static_cast<double>(kLimits.min_matches)) return 0.0;
-  const double late = -both / flow2;
-  const bool is_sure =
-      std::abs(late) > kLimits.min_late_frames && both * both > kLimits.explained * rows2 * flow2;
-  return is_sure ? late : 0.0;
+  const double min_flow = std::clamp(kLimits.flow_per_width * left_image.cols, kLimits.min_flow_px,
+                                     kLimits.max_flow_px);
+  const bool is_moving = flow2 > corners * square(min_flow) && corners >= kLimits.min_moving;
+  if (!is_moving) return timing.evidence.add(kLimits.rest);
+  timing.frames = both / flow2;
+  const double tried = std::max(1.0, timing.frames);
+  const double noise2 = corners * square(kLimits.rows_px);
+  const double left2 = rows2 + tried * (tried * flow2 - 2.0 * both);
+  const double ratio = 0.5 * corners * std::log((rows2 + noise2) / (left2 + noise2));
+  timing.evidence.add(std::clamp(ratio + kLimits.rest, -kLimits.most, kLimits.most));
 }
 
 /// Whether the images match the other way round, where they do not as they are.
@@ -309,7 +314,7 @@ std::optional<Finding> StereoCheck::estimate(const std::vector<Match>& matches,
   const auto error = rectification();
   if (!error) return std::nullopt;
   turn_ = stereo::correctionFor(*error, turn_, *frame.camera, margin_sigmas_);
-  if (estimated_ < kMinRefusing || estimated_ > kFirstFrames) return std::nullopt;
+  if (estimated_ < kTimes.min_refusing || estimated_ > kTimes.first) return std::nullopt;
   return turnFinding(*error, *frame.camera, frame.index);
 }
 
@@ -364,21 +369,36 @@ Findings StereoCheck::add(const StereoFrame& frame) {
   if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera, known_);
   Findings findings;
   if (auto near = compareRange(frame)) findings.push_back(std::move(*near));
-  const bool is_due = !last_ || std::abs(frame.time - *last_) >= kIntervalS;
-  const bool is_first = estimator_ && estimated_ < kFirstFrames;
+  const auto isDue = [&](const std::optional<Time>& last, double interval_s) {
+    return !last || std::abs(frame.time - *last) >= interval_s;
+  };
+  const bool is_due = isDue(last_, kTimes.interval_s);
   const cv::Mat left_before = std::exchange(left_before_, frame.left);
-  if (!is_due && !is_first) return findings;
+  const auto matches_before = std::exchange(matches_before_, {});
+  if (!matches_before.empty()) {
+    compareTimes(matches_before, left_before, frame.left, frame.camera.get(), early_);
+  }
+  const auto isSuspected = [&] {
+    return late_.evidence.isSuspected() || early_.evidence.isSuspected();
+  };
+  const bool is_timed = is_due || (isSuspected() && isDue(last_timed_, kTimes.suspected_s));
+  const bool is_first = estimator_ && estimated_ < kTimes.first;
+  if (!is_timed && !is_first) return findings;
   auto matches =
       matchesOf(frame, is_first ? kSearch.many_corners : kSearch.corners, kSearch.turn_rad);
   if (matches.size() < kLimits.min_matches)
     matches = matchesOf(frame, kSearch.many_corners, kSearch.wide_turn_rad);
-  if (is_due) addMotion(frame, left_before, matches);
-  const bool is_late = framesLate() != 0.0;
-  if (estimator_ && !is_late && matches.size() >= kLimits.min_matches) {
+  if (is_timed) {
+    last_timed_ = frame.time;
+    compareTimes(matches, frame.left, left_before, frame.camera.get(), late_);
+    matches_before_ = matches;
+  }
+  if (estimator_ && !isSuspected() && matches.size() >= kLimits.min_matches) {
     if (auto fatal = estimate(matches, frame)) findings.push_back(std::move(*fatal));
   }
-  if (!is_due) return findings;
-  last_ = frame.time;
+  const bool is_late = late_.evidence.isDecisive() || early_.evidence.isDecisive();
+  if (!is_due && !is_late) return findings;
+  if (is_due) last_ = frame.time;
   double rows_px = 0.0;
   const Condition before = condition_;
   condition_ = is_late ? Condition::kLate : compare(matches, frame.camera.get(), rows_px);
@@ -388,8 +408,8 @@ Findings StereoCheck::add(const StereoFrame& frame) {
   const auto is_of_time = [](Condition condition) {
     return condition == Condition::kLate || condition == Condition::kScattered;
   };
-  persists_ = condition_ != Condition::kNone &&
-              (condition_ == before || (is_of_time(condition_) && is_of_time(before)));
+  persists_ = is_late || (condition_ != Condition::kNone &&
+                          (condition_ == before || (is_of_time(condition_) && is_of_time(before))));
   if (persists_) {
     findings.push_back(findingOf(frame, rows_px));
   } else if (frame.camera != nullptr &&
@@ -407,10 +427,11 @@ Finding StereoCheck::findingOf(const StereoFrame& frame, double rows_px) const {
   }
   if (condition_ == Condition::kOffset) return offsetFinding(frame, rows_px, "");
   if (condition_ == Condition::kLate) {
+    const bool is_early = early_.evidence.isDecisive();
     return {"images_not_simultaneous", frame.index,
             formatted("the right image is %.1f frames %s: its rows differ as the left image moves; "
                       "check the cameras' trigger, and whether a driver delays images",
-                      std::abs(framesLate()), framesLate() > 0.0 ? "late" : "early")};
+                      is_early ? early_.frames : late_.frames, is_early ? "early" : "late")};
   }
   return {"images_not_simultaneous", frame.index,
           formatted("the rows of left and right images differ by %.1f px, by place: the images are "

@@ -2,12 +2,14 @@
 // Comparison of left with right images: rows, times, order, and the right camera's rotation.
 #pragma once
 
+#include <headway/core/evidence.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/pipeline/perception_update.h>
 #include <headway/stereo/disparity.h>
 #include <headway/stereo/rectification.h>
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace headway::pipeline {
 
@@ -19,8 +21,9 @@ namespace headway::pipeline {
 ///
 /// Corners of the left image are searched in a band of rows of the right one, in wide images at
 /// half the resolution. A condition is reported when it occurs in two comparisons in a row, so
-/// within 1 s. The rotation of the right camera is estimated from the rows of all comparisons, from
-/// the first frame on, and is to be undone where it is significant: turn().
+/// within 1 s; different times, as soon as the sum of the comparisons is decisive, which follow
+/// faster once one suspects them. The rotation of the right camera is estimated from the rows of
+/// all comparisons, from the first frame on, and is to be undone where it is significant: turn().
 class StereoCheck {
  public:
   /// @param matching  as of obstacles and ground
@@ -66,7 +69,10 @@ class StereoCheck {
 
  private:
   enum class Condition { kNone, kSwapped, kOffset, kScattered, kLate };
-  struct Match;
+  struct Match {
+    stereo::RowMatch row;
+    double disparity = 0.0;  ///< [px]
+  };
   [[nodiscard]] static std::vector<Match> matchesOf(const StereoFrame& frame, int max_corners,
                                                     double searched_turn);
   static void refine(const StereoFrame& frame, std::vector<Match>& matches);
@@ -74,9 +80,13 @@ class StereoCheck {
                                   double& rows_px) const;
   [[nodiscard]] std::optional<Finding> estimate(const std::vector<Match>& matches,
                                                 const StereoFrame& frame);
-  void addMotion(const StereoFrame& frame, const cv::Mat& left_before,
-                 const std::vector<Match>& matches);
-  [[nodiscard]] double framesLate() const;
+  /// That the right images are of another time, by these frames of the left one.
+  struct Timing {
+    Evidence evidence;
+    double frames = 0.0;
+  };
+  void compareTimes(const std::vector<Match>& matches, const cv::Mat& left_image,
+                    const cv::Mat& other, const StereoCamera* camera, Timing& timing) const;
   [[nodiscard]] bool isSwapped(const StereoFrame& frame) const;
   [[nodiscard]] Finding findingOf(const StereoFrame& frame, double rows_px) const;
   [[nodiscard]] std::optional<Finding> compareRange(const StereoFrame& frame);
@@ -85,14 +95,11 @@ class StereoCheck {
   std::optional<Time> last_range_;  ///< of the latest compareRange()
   int near_ = 0;                    ///< comparisons in a row in which the scene was too near
 
-  std::optional<Time> last_;  ///< of the latest comparison
-  cv::Mat left_before_;       ///< left image of the frame before
-  /// Sums over the corners of the latest comparison: of what rows differ, and of what the left
-  /// image has moved along its columns since the frame before, from their medians.
-  struct Motion {
-    double corners = 0.0, rows2 = 0.0, flow2 = 0.0, both = 0.0;
-  };
-  Motion motion_;
+  std::optional<Time> last_;           ///< of the latest comparison of which two count
+  std::optional<Time> last_timed_;     ///< of the latest one with the frames before and after
+  cv::Mat left_before_;                ///< left image of the frame before
+  std::vector<Match> matches_before_;  ///< of the frame before, if it was compared
+  Timing late_, early_;
   Condition condition_ = Condition::kNone;
   bool persists_ = false;
   int estimated_ = 0;                                        ///< frames
