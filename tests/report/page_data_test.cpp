@@ -76,8 +76,8 @@ TEST(PageDataTest, StatesAndPredictionsAreWholeNumbers) {
   track.size << 4.0, 1.8, 1.5;
   PredictedPoint point{1.0, {4.2, 2.0, 0.5}, Eigen::Vector2d(4.0, 1.0).asDiagonal()};
   track.predictions = {{0, 0.7, {point}}};
-  ReplayFrame frame{9, 100.5, Pose::Identity(), {track}};
-  ReplayFrame before{8, 100.0, Pose::Identity(), {}};
+  ReplayFrame frame{9, 100.5, Pose::Identity(), {track}, {}};
+  ReplayFrame before{8, 100.0, Pose::Identity(), {}, {}};
   const std::vector<ReplayFrame> frames = {before, frame};
   std::ostringstream text;
   writePageData(text, pageData("/nonexistent", frames, {}, {}, [](const auto&) {}), frames);
