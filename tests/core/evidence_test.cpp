@@ -36,9 +36,11 @@ TEST(EvidenceTest, AFaultIsFoundAsSoonAfterALongGoodTime) {
 TEST(EvidenceTest, TheEndOfALongFaultIsFoundAsSoonAsThatOfAShortOne) {
   Evidence evidence;
   for (int i = 0; i < 1000; ++i) evidence.add(10.0);
-  evidence.add(-0.5 * Evidence::kDecisive);
+  evidence.add(-0.3 * Evidence::kDecisive);
+  EXPECT_TRUE(evidence.isDecisive()) << "by one observation of a thousand";
+  evidence.add(-0.3 * Evidence::kDecisive);
   EXPECT_FALSE(evidence.isDecisive());
-  evidence.add(-0.5 * Evidence::kDecisive);
+  evidence.add(-Evidence::kDecisive);
   EXPECT_FALSE(evidence.isSuspected());
 }
 
