@@ -94,18 +94,6 @@ TEST_F(UnreliablePoseTest, ARightImageThatContradictsTheMapIsDoubtedAndNotMapped
   EXPECT_LT(errorOf(update), 0.03);
 }
 
-TEST_F(UnreliablePoseTest, FewLandmarksTellThatTheRightImageContradictsTheMap) {
-  params_.features = 50;
-  walk(15);
-  shift_px_ = 4;
-  for (int i = 0; i < 15; ++i) {
-    const auto update = next();
-    EXPECT_LT(update.inliers, 60);
-    EXPECT_TRUE(i < 3 || update.doubt == Doubt::kImages) << i;
-    move();
-  }
-}
-
 TEST_F(UnreliablePoseTest, RelocalisationIsNoMotionForTheWheelsToContradict) {
   walk(15);
   const std::string saved = slam_->save();

@@ -6,30 +6,29 @@
 namespace headway::slam {
 namespace {
 
-/// How many of the landmarks that the left image shows have a disparity.
-struct RightImageModel {
-  double good = 0.46;       ///< ratio of them behind people; else mostly 0.9
-  double bad = 0.25;        ///< mostly none; 10 rows off, where vertical edges recur
-  double margin_px = 10.0;  ///< to the border and the largest disparity
-  double settled_s = 1.0;   ///< of agreement, before the images count again
+struct RightImageLimits {
+  double min_agreement = 0.25;  ///< of the landmarks; good pairs: mostly 0.9, behind people 0.46
+  double margin_px = 10.0;      ///< to the border and the largest disparity
+  double settled_s = 1.0;       ///< of agreement, before the images count again
 };
-constexpr RightImageModel kModel;
+constexpr RightImageLimits kLimits;
 
-/// How much more likely what the right image shows is of one that fails: the logarithm.
-double ratioOf(const TrackedPose& tracked, const SparseMap& map, const StereoCamera& camera,
-               const SlamParams& params) {
+/// Whether the right image shows landmarks where the map says; nullopt with too few.
+std::optional<bool> agreementOf(const TrackedPose& tracked, const SparseMap& map,
+                                const StereoCamera& camera, const SlamParams& params) {
   const Pose T_cam_map = tracked.T_map_cam.inverse(Eigen::Isometry);
-  const double max_disparity = params.max_disparity_ratio * camera.width - kModel.margin_px;
-  double ratio = 0.0;
+  const double max_disparity = params.max_disparity_ratio * camera.width - kLimits.margin_px;
+  int expected = 0, agreeing = 0;
   for (const TrackedLandmark& seen : tracked.landmarks) {
     const Landmark* landmark = map.find(seen.id);
     if (landmark == nullptr) continue;
     const auto uvd = project(T_cam_map * landmark->position, camera);
-    if (!uvd || uvd->x() - uvd->z() < kModel.margin_px || uvd->z() > max_disparity) continue;
-    ratio += seen.measurement.stereo ? std::log(kModel.bad / kModel.good)
-                                     : std::log((1.0 - kModel.bad) / (1.0 - kModel.good));
+    if (!uvd || uvd->x() - uvd->z() < kLimits.margin_px || uvd->z() > max_disparity) continue;
+    ++expected;
+    agreeing += seen.measurement.stereo ? 1 : 0;
   }
-  return ratio;
+  if (expected < 3 * params.min_inliers) return std::nullopt;
+  return agreeing >= kLimits.min_agreement * expected;
 }
 
 }  // namespace
@@ -38,13 +37,12 @@ void RightImageCheck::add(const TrackedPose* tracked, const TrackingFrame& frame
                           const SparseMap& map, const StereoCamera& camera,
                           const SlamParams& params) {
   if (frame.right.isDepth()) return;
-  const double ratio = tracked == nullptr ? 0.0 : ratioOf(*tracked, map, camera, params);
-  evidence_.add(ratio);
-  agrees_ = ratio < 0.0 || (ratio == 0.0 && !contradicted_);
-  const bool is_refuted = tracked != nullptr && !evidence_.isSuspected();
-  if (evidence_.isDecisive() || (contradicted_ && !is_refuted)) {
+  std::optional<bool> agreement;
+  if (tracked != nullptr) agreement = agreementOf(*tracked, map, camera, params);
+  agrees_ = agreement.value_or(!contradicted_);
+  if (!agrees_) {
     contradicted_ = frame.time;
-  } else if (contradicted_ && std::abs(frame.time - *contradicted_) >= kModel.settled_s) {
+  } else if (contradicted_ && std::abs(frame.time - *contradicted_) >= kLimits.settled_s) {
     contradicted_.reset();
   }
 }

@@ -2,7 +2,6 @@
 // Whether the right image shows what the map says.
 #pragma once
 
-#include <headway/core/evidence.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/slam/slam_params.h>
 
@@ -17,7 +16,7 @@ namespace headway::slam {
 /// Compares the right image with the landmarks by which the left one was tracked.
 ///
 /// A right image that is shifted gives most of them no disparity, or one that does not fit the
-/// pose. Each landmark is evidence, so that few of them tell it in more frames than many.
+/// pose.
 class RightImageCheck {
  public:
   /// Takes a frame.
@@ -28,12 +27,11 @@ class RightImageCheck {
   /// Whether the images contradict the map, and have not agreed with it for a second since.
   [[nodiscard]] bool isContradictory() const { return contradicted_.has_value(); }
   /// Whether the newest frame may become part of the map.
-  [[nodiscard]] bool mayExtend() const { return agrees_; }
+  [[nodiscard]] bool mayExtend() const { return !contradicted_ || agrees_; }
 
  private:
-  Evidence evidence_;
-  bool agrees_ = true;                ///< the newest frame, as far as it tells
-  std::optional<Time> contradicted_;  ///< last, or not refuted since
+  bool agrees_ = true;                ///< the newest frame
+  std::optional<Time> contradicted_;  ///< last, or nothing could be told since it was
 };
 
 }  // namespace headway::slam
