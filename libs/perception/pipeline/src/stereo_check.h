@@ -2,7 +2,6 @@
 // Comparison of left with right images: rows, times, order, and the right camera's rotation.
 #pragma once
 
-#include <headway/core/evidence.h>
 #include <headway/core/stereo_frame.h>
 #include <headway/pipeline/perception_update.h>
 #include <headway/stereo/disparity.h>
@@ -10,6 +9,8 @@
 
 #include <Eigen/Core>
 #include <vector>
+
+#include "evidence.h"
 
 namespace headway::pipeline {
 

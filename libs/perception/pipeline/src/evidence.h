@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace headway {
+namespace headway::pipeline {
 
 /// Log-likelihood ratios of a fault, summed over observations until they decide.
 ///
@@ -26,4 +26,4 @@ class Evidence {
   double sum_ = 0.0;
 };
 
-}  // namespace headway
+}  // namespace headway::pipeline

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
-#include <headway/core/evidence.h>
+#include "evidence.h"
 
-namespace headway {
+#include <gtest/gtest.h>
+
+namespace headway::pipeline {
 namespace {
 
 /// Observations that say so much until they decide.
@@ -45,4 +46,4 @@ TEST(EvidenceTest, TheEndOfALongFaultIsFoundAsSoonAsThatOfAShortOne) {
 }
 
 }  // namespace
-}  // namespace headway
+}  // namespace headway::pipeline
