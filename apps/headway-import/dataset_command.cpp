@@ -406,8 +406,8 @@ int runDataset(const std::string& dataset_name, const std::string& about, int ar
   if (!options) return program::kDone;
   const ImportOutput output(options->output, options->check);
   options->output = output.path();
-  for (const auto& read : {options->folder, options->sequence, options->drive, options->boxes,
-                           options->left, options->right, options->depth}) {
+  for (const auto& read :
+       {options->folder, options->drive, options->left, options->right, options->depth}) {
     program::registerDataset(read);
   }
   program::requireWritable(options->output, options->overwrite,

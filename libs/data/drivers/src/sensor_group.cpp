@@ -128,9 +128,11 @@ class SensorGroup::Implementation {
     const std::string path = configuration_.read_string(section, key, "");
     const std::string type = configuration_.read_string(section, "grabber_type", grabber);
     if (path.empty() || type != grabber) return;
+    std::error_code unknown;  // of what is neither a file nor a folder
     std::string fault = std::filesystem::exists(path) ? "" : "no such file or folder";
-    if (fault.empty() && std::filesystem::is_empty(path)) fault = "is empty";
-    if (fault.empty()) fault = io::lfsPointerFault(path);
+    if (fault.empty() && std::filesystem::is_empty(path, unknown)) fault = "is empty";
+    const bool is_file = std::filesystem::is_regular_file(path, unknown);
+    if (fault.empty() && is_file) fault = io::lfsPointerFault(path);
     if (!fault.empty()) throw InputError("[" + section + "] " + key + " = " + path + ": " + fault);
   }
 
