@@ -305,6 +305,8 @@ TEST_F(DatasetTest, TimesOfImagesAreTakenInTheDocumentedOrder) {
   EXPECT_EQ((Times{0, 0.25, 0.5}), timesOf(*open()));
   write("c.yaml", calibration);
   EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("times.txt: has 2 times for 3"));
+  write("n/times.txt", "");
+  EXPECT_THAT(test::errorOf([&] { (void)open(); }), HasSubstr("times.txt: has 0 times for 3"));
   write("t", "1\n3\n7\n");
   EXPECT_EQ((Times{1, 3, 7}), timesOf(*open({0.0, folder_ / "t"})));
   write("t", "1\nnan\n7\n");

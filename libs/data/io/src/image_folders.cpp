@@ -51,7 +51,7 @@ class ImageFolder : public ImageSequence {
   explicit ImageFolder(const std::string& folder) : folder_(folder), paths_(imagesIn(folder)) {
     for (const fs::path& place : {fs::path(folder), fs::path(folder).parent_path()}) {
       const fs::path file = place / kTimesFile;
-      if (!times_.empty() || !fs::is_regular_file(file)) continue;
+      if (!times_file_.empty() || !fs::is_regular_file(file)) continue;
       times_ = readTimes(file.string());
       times_file_ = file.string();
     }
@@ -66,7 +66,7 @@ class ImageFolder : public ImageSequence {
     return requireImage(paths_.at(index));
   }
   [[nodiscard]] const std::vector<Time>& times() const override { return times_; }
-  [[nodiscard]] const std::string& timesFile() const override { return times_file_; }
+  [[nodiscard]] std::string timesFile() const override { return times_file_; }
 
  private:
   /// Takes the times and their order from the names, if all have one, of one unit and each its own.
@@ -112,7 +112,7 @@ class ImagePairs {
     const bool is_rate_stated = stated.rate_hz > 0.0;
     const bool are_stated = is_rate_stated || !stated.file.empty();
     for (const ImageSequence* side : {&left, &other}) {
-      if (!are_stated && !side->times().empty()) {
+      if (!are_stated && !side->timesFile().empty()) {
         requireTimesFor(side->size(), side->timesFile(), side->times());
       }
     }

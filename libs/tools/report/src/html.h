@@ -43,7 +43,7 @@ namespace headway::report {
 [[nodiscard]] std::string pictureUri(const std::filesystem::path& path, int max_width);
 
 /// The grid of a map server (grey picture: 254 free, 205 unknown, 0 occupied) as a PNG data URI in
-/// the page's colours, unknown cells transparent; and its size [px].
+/// the page's colours, unknown cells transparent; and the grid's size.
 ///
 /// @throws InputError if the picture cannot be read
 struct GridPicture {

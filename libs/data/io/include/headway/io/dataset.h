@@ -76,8 +76,8 @@ class ImageSequence {
   [[nodiscard]] virtual cv::Mat image(std::size_t index) const = 0;
   /// Of the first images [s]: of all, unless the file of times lacks some; empty if there are none.
   [[nodiscard]] virtual const std::vector<Time>& times() const = 0;
-  /// The file that they are from, for messages.
-  [[nodiscard]] virtual const std::string& timesFile() const { return name(); }
+  /// The file of times beside the images, which may lack some; empty: there is none.
+  [[nodiscard]] virtual std::string timesFile() const { return ""; }
 };
 
 /// Images of a folder (.png .jpg .jpeg .bmp .tif .tiff .pgm .ppm) in the order of their names, with
