@@ -40,9 +40,9 @@ tried() {
   echo "== $name"
   $bench --map "$out/$name.rawlog" "${again[@]}" --places "$places" | grep -v '^  frame'
   # No second of another world is this one.
-  $bench --map "$out/$name.rawlog" "${elsewhere[@]}" --seconds 0.6 --places $((3 * places)) | grep -v '^  frame'
+  $bench --map "$out/$name.rawlog" "${elsewhere[@]}" --places $((3 * places)) | grep -v '^  frame'
   # Starts in a part that is not mapped.
-  $bench --map "$out/$name.rawlog" --map-to 150 --restart "$out/$name.rawlog" --restart-from 200 --seconds 0.6 \
+  $bench --map "$out/$name.rawlog" --map-to 150 --restart "$out/$name.rawlog" --restart-from 200 \
     --places $((3 * places)) | grep -v '^  frame'
 }
 

@@ -40,7 +40,8 @@ class EvidenceTest : public testing::Test {
     TrackedPose seen;
     seen.landmarks.assign(all_.landmarks.begin(), all_.landmarks.begin() + found);
     return evidenceOf(seen, expected_, frame_, map_, camera_, matcherFor(camera_, SlamParams()),
-                      within_m_);
+                      within_m_)
+        .sum();
   }
 
   /// Gives each landmark a descriptor of its own, and the first ones a twin.
@@ -95,29 +96,88 @@ TEST_F(EvidenceTest, AFewTwinsAreChance) {
   EXPECT_EQ(80, evidenceWith(80));
 }
 
-TEST(PlaceCheckTest, AProofIsBelievedAtOnce) {
-  PlaceCheck check;
-  EXPECT_TRUE(check.add(1.0, kPlaceProof, shiftedTo(5.0), shiftedTo(0.0)));
-}
-
-TEST(PlaceCheckTest, WeakEvidenceIsBelievedWhenItHasAgreedWithOdometryForAFifthOfASecond) {
-  constexpr int kWeak = kPlaceProof - 1;
-  PlaceCheck check;
-  EXPECT_FALSE(check.add(1.0, kWeak, shiftedTo(5.0), shiftedTo(0.0)));
-  EXPECT_FALSE(check.add(1.1, kWeak, shiftedTo(5.1), shiftedTo(0.1)));
-  EXPECT_TRUE(check.add(1.2, kWeak, shiftedTo(5.2), shiftedTo(0.2)));
-  EXPECT_FALSE(check.add(1.3, kWeak, shiftedTo(8.0), shiftedTo(0.3))) << "elsewhere";
-  EXPECT_FALSE(check.add(1.4, kWeak, shiftedTo(5.4), shiftedTo(0.4))) << "there and back";
-  EXPECT_FALSE(check.add(1.5, kWeak, shiftedTo(5.5), shiftedTo(0.5)));
-  EXPECT_TRUE(check.add(1.6, kWeak, shiftedTo(5.6), shiftedTo(0.6)));
-  EXPECT_FALSE(check.add(9.0, kWeak, shiftedTo(5.6), shiftedTo(0.6))) << "long ago";
-}
-
-TEST(PlaceCheckTest, LittleEvidenceIsNeverBelieved) {
-  PlaceCheck check;
-  for (int i = 0; i < 50; ++i) {
-    EXPECT_FALSE(check.add(0.1 * i, kPlaceProof / 4, shiftedTo(0.1 * i), shiftedTo(0.1 * i)));
+/// Frames with cells of one landmark each, from `first` on.
+LocatedCamera seenAt(double x, int found, int missed = 0, int first = 0) {
+  LocatedCamera located;
+  located.tracked.T_map_cam = shiftedTo(x);
+  for (int i = 0; i < found + missed; ++i) {
+    auto& cells = i < found ? located.evidence.found : located.evidence.missed;
+    cells.push_back({LandmarkId{first + i}});
   }
+  return located;
+}
+
+constexpr int kWeak = kPlaceProof - 1;
+
+/// A camera that moves at 1 m/s, as odometry knows.
+class PlaceCheckTest : public testing::Test {
+ protected:
+  /// Whether a frame's place is believed.
+  bool believes(Time time, const LocatedCamera& located) {
+    return check_.add(time, {located}, shiftedTo(time)) != nullptr;
+  }
+
+  PlaceCheck check_;
+};
+
+TEST_F(PlaceCheckTest, AProofIsBelievedAtOnce) {
+  EXPECT_TRUE(believes(1.0, seenAt(5.0, kPlaceProof)));
+}
+
+TEST_F(PlaceCheckTest, AProofIsNoneIfAnotherPlaceIsAlike) {
+  EXPECT_EQ(nullptr, check_.add(1.0, {seenAt(5.0, kPlaceProof), seenAt(20.0, 1)}, shiftedTo(1.0)));
+}
+
+TEST_F(PlaceCheckTest, WeakEvidenceIsBelievedWhenItHasAgreedWithOdometryForAFifthOfASecond) {
+  EXPECT_FALSE(believes(1.0, seenAt(5.0, kWeak, 0, 0)));
+  EXPECT_FALSE(believes(1.1, seenAt(5.1, kWeak, 0, 100)));
+  EXPECT_TRUE(believes(1.2, seenAt(5.2, kWeak, 0, 200)));
+  check_.restart();
+  EXPECT_FALSE(believes(1.3, seenAt(5.3, kWeak, 0, 0)));
+  EXPECT_FALSE(believes(1.4, seenAt(8.0, kWeak, 0, 100))) << "elsewhere";
+  EXPECT_FALSE(believes(9.0, seenAt(13.0, kWeak, 0, 200))) << "long ago";
+}
+
+TEST_F(PlaceCheckTest, APlaceThatIsNotWhereOdometryLeadsIsNeverBelieved) {
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_FALSE(believes(0.1 * i, seenAt(5.0 * i, kWeak, 0, 100 * i)));
+  }
+}
+
+TEST_F(PlaceCheckTest, WhoSeesNothingNewLearnsNothing) {
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(believes(0.1 * i, seenAt(0.1 * i, kWeak)));
+}
+
+TEST_F(PlaceCheckTest, LittleIsBelievedIfItIsOfManyParts) {
+  int frames = 1;
+  while (frames < 50 && !believes(0.1 * frames, seenAt(0.1 * frames, 5, 1, 100 * frames))) {
+    ++frames;
+  }
+  EXPECT_EQ((kPlaceProof + 2) / 3, frames) << "five found less twice the missed one each";
+}
+
+TEST_F(PlaceCheckTest, APlaceThatIsAlikeInPartIsNeverBelieved) {
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_FALSE(believes(0.1 * i, seenAt(0.1 * i, 20, 10, 100 * i)));
+  }
+}
+
+TEST_F(PlaceCheckTest, OfTwoPlacesThatAreSeenAlikeNeitherIsBelieved) {
+  for (int i = 0; i < 50; ++i) {
+    const double x = 0.1 * i;
+    EXPECT_EQ(nullptr,
+              check_.add(0.1 * i, {seenAt(x, 10, 0, 100 * i), seenAt(x + 20, 10, 0, 100 * i)},
+                         shiftedTo(x)));
+  }
+}
+
+TEST_F(PlaceCheckTest, KnowsWhereTheLikeliestPlaceIsSeenNext) {
+  EXPECT_FALSE(check_.likeliest(0.0, shiftedTo(0.0)));
+  EXPECT_EQ(nullptr, check_.add(1.0, {seenAt(5.0, 10), seenAt(9.0, 12)}, shiftedTo(1.0)));
+  const auto place = check_.likeliest(1.1, shiftedTo(1.1));
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(9.1, place->T_map_cam.translation().x(), 1e-9);
+  EXPECT_FALSE(check_.likeliest(9.0, shiftedTo(0.1))) << "long ago";
 }
 
 /// A wall that repeats itself, with a shelf before it.
@@ -161,7 +221,7 @@ std::vector<int> trackedInMapTo(double end, const std::vector<double>& gains) {
   return tracked;
 }
 
-TEST(PlaceCheckTest, OfTwoPlacesThatAreAlikeNeitherIsBelieved) {
+TEST(RepeatedWallTest, OfTwoPlacesThatAreAlikeNeitherIsBelieved) {
   using testing::ElementsAre;
   EXPECT_THAT(trackedInMapTo(3.0, {1.0, 1.5}), ElementsAre(6, testing::Gt(0)));
   EXPECT_THAT(trackedInMapTo(kRepeated_m + 3.0, {1.0, 1.5, 2.5}), ElementsAre(0, 0, 0));

@@ -200,9 +200,9 @@ void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
   index_.add(keyframe, descriptorsOf(keyframe, map));
 }
 
-std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
-                                                const std::optional<Pose>& expected,
-                                                SparseMap& map) const {
+std::vector<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
+                                              const std::optional<Pose>& expected,
+                                              SparseMap& map) const {
   constexpr double kNear_m = 5.0;  ///< a place given by hand and the way to the next keyframe
   const auto points = describe(frame);
   const auto isNearExpected = [&](KeyframeId id) {
@@ -211,11 +211,11 @@ std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
   };
   if (expected) {
     auto located = mostEvident(frame, points, isNearExpected, 2.0 * kNear_m, map);
-    if (located) return located;
+    if (located) return {std::move(*located)};
   }
   const auto isAnywhere = [](KeyframeId /*id*/) { return true; };
   auto located = mostEvident(frame, points, isAnywhere, HUGE_VAL, map);
-  if (!located) return std::nullopt;
+  if (!located) return {};
   std::set<LandmarkId> here;
   for (const TrackedLandmark& landmark : located->tracked.landmarks) here.insert(landmark.id);
   const auto isElsewhere = [&](KeyframeId id) {
@@ -224,13 +224,23 @@ std::optional<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
              return here.count(landmark) > 0;
            }) < params_.min_inliers / 2;
   };
-  const auto rival = mostEvident(frame, points, isElsewhere, HUGE_VAL, map);
-  if (!rival) return located;
+  auto rival = mostEvident(frame, points, isElsewhere, HUGE_VAL, map);
+  std::vector<LocatedCamera> places{std::move(*located)};
+  if (!rival) return places;
   const Pose T_here_rival =
-      located->tracked.T_map_cam.inverse(Eigen::Isometry) * rival->tracked.T_map_cam;
+      places.front().tracked.T_map_cam.inverse(Eigen::Isometry) * rival->tracked.T_map_cam;
   const bool is_another = T_here_rival.translation().norm() > 1.0 || T_here_rival(2, 2) < 0.9;
-  if (is_another) located->evidence -= std::max(0, rival->evidence);
-  return located;
+  if (is_another) places.push_back(std::move(*rival));
+  return places;
+}
+
+std::optional<LocatedCamera> LoopCloser::locateAt(const PlaceCheck::Place& place,
+                                                  const TrackingFrame& frame,
+                                                  SparseMap& map) const {
+  if (map.keyframes().count(place.keyframe) == 0) return std::nullopt;
+  return confirmed(place.T_map_cam, place.keyframe,
+                   map.seenBy(map.neighbourhood(place.keyframe, params_.window)), frame, HUGE_VAL,
+                   map);
 }
 
 /// The place of a few keyframes that are most alike with most evidence, or the first one proven.
@@ -242,8 +252,8 @@ std::optional<LocatedCamera> LoopCloser::mostEvident(const TrackingFrame& frame,
   std::optional<LocatedCamera> most;
   for (const PlaceMatch& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
     auto place = placeAt(match.keyframe, frame, points, within_m, map);
-    if (place && (!most || place->evidence > most->evidence)) most = std::move(place);
-    if (most && most->evidence >= kPlaceProof) break;
+    if (place && (!most || place->evidence.sum() > most->evidence.sum())) most = std::move(place);
+    if (most && most->evidence.sum() >= kPlaceProof) break;
   }
   return most;
 }
@@ -255,11 +265,18 @@ std::optional<LocatedCamera> LoopCloser::placeAt(KeyframeId keyframe, const Trac
   // Few matches suffice: the pose is verified by measuring patches from there.
   const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 3).T_map_cam;
   if (!initial) return std::nullopt;
-  auto tracked = tracker_.measureLocalMap(frame, *initial, among, map, params_.min_inliers);
+  return confirmed(*initial, keyframe, among, frame, within_m, map);
+}
+
+std::optional<LocatedCamera> LoopCloser::confirmed(const Pose& T_map_cam, KeyframeId keyframe,
+                                                   const std::vector<LandmarkId>& among,
+                                                   const TrackingFrame& frame, double within_m,
+                                                   SparseMap& map) const {
+  auto tracked = tracker_.measureLocalMap(frame, T_map_cam, among, map, params_.min_inliers);
   if (!tracked) return std::nullopt;
-  const int evidence = evidenceOf(*tracked, map.keyframe(keyframe).landmarks, frame, map, camera_,
-                                  matcherFor(camera_, params_), within_m);
-  return LocatedCamera{std::move(*tracked), keyframe, evidence};
+  auto evidence = evidenceOf(*tracked, map.keyframe(keyframe).landmarks, frame, map, camera_,
+                             matcherFor(camera_, params_), within_m);
+  return LocatedCamera{std::move(*tracked), keyframe, std::move(evidence)};
 }
 
 std::vector<KeyframeId> LoopCloser::findLoopCandidates(KeyframeId newest,
@@ -322,7 +339,8 @@ std::optional<ClosedLoop> LoopCloser::verify(const TrackingFrame& frame,
   attempt.outcome = LoopOutcome::kTooFewInliers;
   const auto isProven = [&] {
     return evidenceOf(*seen_from, candidate.expected, frame, map, camera_,
-                      matcherFor(camera_, params_), HUGE_VAL) >= kPlaceProof;
+                      matcherFor(camera_, params_), HUGE_VAL)
+               .sum() >= kPlaceProof;
   };
   if (std::isinf(attempt.offset_allowed_m) && !isProven()) return std::nullopt;
   attempt.outcome = LoopOutcome::kClosed;

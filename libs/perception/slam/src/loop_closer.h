@@ -19,6 +19,7 @@
 #include "frame_tracker.h"
 #include "keypoints.h"
 #include "landmark_tracker.h"
+#include "place_check.h"
 #include "place_recognition.h"
 #include "pose_graph.h"
 #include "sparse_map.h"
@@ -79,13 +80,6 @@ struct LoopCandidate {
   double offset_allowed_m = 0.0;     ///< maximum drift between both
 };
 
-/// Where a frame may have been taken.
-struct LocatedCamera {
-  TrackedPose tracked;
-  KeyframeId keyframe;  ///< that it was recognised by
-  int evidence = 0;     ///< as evidenceOf(), less that of the place that is alike most
-};
-
 /// Result of the background search that ended before a frame.
 struct LoopProgress {
   std::vector<LoopAttempt> attempts;  ///< candidates with their outcomes
@@ -109,14 +103,21 @@ class LoopCloser {
   void index(KeyframeId keyframe, const SparseMap& map);
   void remove(KeyframeId keyframe) { index_.remove(keyframe); }
 
-  /// Where in the whole map a frame was taken, without a predicted pose; how far that may be
-  /// believed is PlaceCheck's matter.
+  /// Where in the whole map a frame may have been taken, without a predicted pose: the place with
+  /// most evidence and, if there is one, the most evident elsewhere; how far they may be believed
+  /// is PlaceCheck's matter.
   ///
   /// @param expected  camera: keyframes near it that look the same way are tried first, others only
   ///                  if none of them fits
-  [[nodiscard]] std::optional<LocatedCamera> locate(const TrackingFrame& frame,
-                                                    const std::optional<Pose>& expected,
-                                                    SparseMap& map) const;
+  [[nodiscard]] std::vector<LocatedCamera> locate(const TrackingFrame& frame,
+                                                  const std::optional<Pose>& expected,
+                                                  SparseMap& map) const;
+
+  /// Whether a frame was taken where a place leads that was seen before, near a keyframe, which
+  /// may have left the map since.
+  [[nodiscard]] std::optional<LocatedCamera> locateAt(const PlaceCheck::Place& place,
+                                                      const TrackingFrame& frame,
+                                                      SparseMap& map) const;
 
   /// Searches for a loop at a new keyframe and, where one is verified, corrects the whole map.
   ///
@@ -158,6 +159,11 @@ class LoopCloser {
                                                      const TrackingFrame& frame,
                                                      const std::vector<DescribedPoint>& points,
                                                      double within_m, SparseMap& map) const;
+  /// The landmarks around a keyframe as a frame measures them from a pose there.
+  [[nodiscard]] std::optional<LocatedCamera> confirmed(const Pose& T_map_cam, KeyframeId keyframe,
+                                                       const std::vector<LandmarkId>& among,
+                                                       const TrackingFrame& frame, double within_m,
+                                                       SparseMap& map) const;
   /// Old keyframes within drift distance of the newest one or of unknown distance, ascending.
   [[nodiscard]] std::vector<KeyframeId> findLoopCandidates(KeyframeId newest,
                                                            const SparseMap& map) const;

@@ -2,6 +2,7 @@
 // Whether a frame shows the place that it was recognised as.
 #include "place_check.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <set>
@@ -10,6 +11,8 @@
 namespace headway::slam {
 
 namespace {
+
+constexpr double kForgotten_s = 2.0;  ///< a place that was not seen since
 
 /// Landmarks of a place that the map has elsewhere, too: several of them are alike others that lie
 /// by one shift away.
@@ -47,21 +50,23 @@ std::set<LandmarkId> repeated(const std::vector<TrackedLandmark>& place, const S
 
 }  // namespace
 
-int evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
-               const TrackingFrame& frame, const SparseMap& map, const StereoCamera& camera,
-               const stereo::StereoMatcher& matcher, double within_m) {
+PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
+                         const TrackingFrame& frame, const SparseMap& map,
+                         const StereoCamera& camera, const stereo::StereoMatcher& matcher,
+                         double within_m) {
   constexpr double kNearer = 1.2;  ///< ratio of disparities, from which something stands before
   const double cell_px = camera.width / 16.0;
   const auto cellOf = [&](const Eigen::Vector2d& uv) {
     const Eigen::Vector2i at = (uv / cell_px).cast<int>();
     return std::pair(at.x(), at.y());
   };
-  std::set<std::pair<int, int>> found, unique, missed, hidden;
+  std::map<std::pair<int, int>, std::vector<LandmarkId>> unique, missed;
+  std::set<std::pair<int, int>> found, hidden;
   const auto ambiguous = repeated(seen.landmarks, map, within_m);
   for (const TrackedLandmark& landmark : seen.landmarks) {
     const auto cell = cellOf(landmark.measurement.uv);
     found.insert(cell);
-    if (ambiguous.count(landmark.id) == 0) unique.insert(cell);
+    if (ambiguous.count(landmark.id) == 0) unique[cell].push_back(landmark.id);
   }
   const Pose T_cam_map = seen.T_map_cam.inverse(Eigen::Isometry);
   for (const LandmarkId id : expected) {
@@ -72,32 +77,80 @@ int evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
     const auto disparity = matcher.search(frame.left, frame.right, uvd->head<2>());
     if (!disparity) continue;
     const bool is_hidden = *disparity > kNearer * uvd->z() + 1.0;
-    (is_hidden ? hidden : missed).insert(cellOf(uvd->head<2>()));
+    if (is_hidden) {
+      hidden.insert(cellOf(uvd->head<2>()));
+    } else {
+      missed[cellOf(uvd->head<2>())].push_back(id);
+    }
   }
-  int evidence = static_cast<int>(unique.size());
-  for (const auto& cell : missed) evidence -= hidden.count(cell) > 0 ? 0 : 1;
+  PlaceEvidence evidence;
+  for (auto& [cell, landmarks] : unique) evidence.found.push_back(std::move(landmarks));
+  for (auto& [cell, landmarks] : missed) {
+    if (hidden.count(cell) == 0) evidence.missed.push_back(std::move(landmarks));
+  }
   return evidence;
 }
 
-bool PlaceCheck::agrees(Time time, const Pose& T_map_cam, const Pose& T_odom_cam) const {
-  if (!before_) return false;
-  const double seconds = time - before_->time;
-  if (seconds > 2.0) return false;
-  const Pose T_expected_cam =
-      (before_->T_map_odom * T_odom_cam).inverse(Eigen::Isometry) * T_map_cam;
-  return T_expected_cam.translation().norm() <= 0.1 + 1.5 * seconds &&
-         Eigen::AngleAxisd(T_expected_cam.linear()).angle() <= 0.05 + 2.0 * seconds;
+std::optional<PlaceCheck::Place> PlaceCheck::likeliest(Time time, const Pose& T_odom_cam) const {
+  const Seen* likeliest = nullptr;
+  for (const Seen& seen : seen_) {
+    if (time - seen.time > kForgotten_s) continue;
+    if (likeliest == nullptr || seen.evidence > likeliest->evidence) likeliest = &seen;
+  }
+  if (likeliest == nullptr) return std::nullopt;
+  return Place{likeliest->T_map_odom * T_odom_cam, likeliest->keyframe};
 }
 
-bool PlaceCheck::add(Time time, int evidence, const Pose& T_map_cam, const Pose& T_odom_cam) {
-  if (evidence < kPlaceProof / 2) return false;
-  Observation now{time, time, evidence, T_map_cam * T_odom_cam.inverse(Eigen::Isometry)};
-  if (agrees(time, T_map_cam, T_odom_cam)) {
-    now.since = before_->since;
-    now.evidence += before_->evidence;
+std::size_t PlaceCheck::addTo(Time time, const LocatedCamera& located, const Pose& T_odom_cam) {
+  const Pose& T_map_cam = located.tracked.T_map_cam;
+  // Whether it is where odometry has led since the place was seen last.
+  const auto agrees = [&](const Seen& seen) {
+    const double seconds = time - seen.time;
+    const Pose T_expected_cam = (seen.T_map_odom * T_odom_cam).inverse(Eigen::Isometry) * T_map_cam;
+    return T_expected_cam.translation().norm() <= 0.1 + 1.5 * seconds &&
+           Eigen::AngleAxisd(T_expected_cam.linear()).angle() <= 0.05 + 2.0 * seconds;
+  };
+  auto place = std::find_if(seen_.begin(), seen_.end(), agrees);
+  if (place == seen_.end()) {
+    seen_.emplace_back();
+    place = std::prev(seen_.end());
+    place->since = time;
   }
-  before_ = now;
-  return evidence >= kPlaceProof || (now.evidence >= kPlaceProof && now.time - now.since >= 0.199);
+  place->time = time;
+  place->T_map_odom = T_map_cam * T_odom_cam.inverse(Eigen::Isometry);
+  place->keyframe = located.keyframe;
+  const auto countNew = [&place](const std::vector<std::vector<LandmarkId>>& cells, int each) {
+    for (const auto& cell : cells) {
+      const auto isKnown = [&](LandmarkId id) { return place->counted.count(id) > 0; };
+      if (std::none_of(cell.begin(), cell.end(), isKnown)) place->evidence += each;
+      place->counted.insert(cell.begin(), cell.end());
+    }
+  };
+  // Of places that are alike, four in ten cells that are found are missed, of the right one fewer
+  // than two, whatever stands before it.
+  countNew(located.evidence.found, 1);
+  countNew(located.evidence.missed, -2);
+  return static_cast<std::size_t>(place - seen_.begin());
+}
+
+const LocatedCamera* PlaceCheck::add(Time time, const std::vector<LocatedCamera>& places,
+                                     const Pose& T_odom_cam) {
+  const auto isOld = [time](const Seen& seen) { return time - seen.time > kForgotten_s; };
+  seen_.erase(std::remove_if(seen_.begin(), seen_.end(), isOld), seen_.end());
+  std::vector<std::size_t> seen_as;
+  for (const LocatedCamera& located : places) seen_as.push_back(addTo(time, located, T_odom_cam));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Seen& place = seen_[seen_as[i]];
+    int rival = 0;
+    for (const Seen& other : seen_) {
+      if (&other != &place) rival = std::max(rival, other.evidence);
+    }
+    if (places[i].evidence.sum() - rival >= kPlaceProof ||
+        (place.evidence - rival >= kPlaceProof && time - place.since >= 0.199)) {
+      return &places[i];
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace headway::slam

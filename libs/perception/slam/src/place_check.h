@@ -6,6 +6,7 @@
 #include <headway/stereo/stereo_match.h>
 
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "frame_tracker.h"
@@ -15,47 +16,76 @@
 namespace headway::slam {
 
 /// What a frame says for a place, in cells of 1/16 of the image's width.
-///
-/// A cell counts for it where landmarks are found that the map has nowhere else, and against it
-/// where some ought to be seen, nothing nearer stands before them, and none is found: of a place
+struct PlaceEvidence {
+  /// Of each cell that counts for the place or against it, the landmarks that are found or missed.
+  std::vector<std::vector<LandmarkId>> found, missed;
+
+  /// Cells for it less those against it.
+  [[nodiscard]] int sum() const {
+    return static_cast<int>(found.size()) - static_cast<int>(missed.size());
+  }
+};
+
+/// A cell counts for a place where landmarks are found that the map has nowhere else, and against
+/// it where some ought to be seen, nothing nearer stands before them, and none is found: of a place
 /// that looks alike in part, the rest is missing, of a place behind people, nothing is. A floor or
 /// racks that come again say nothing of the place, even if the right one is not in the map.
 ///
 /// @param seen      the pose there with its landmarks
 /// @param expected  landmarks that are seen from there
 /// @param within_m  how far off the place may be, beyond which it may look the same [m]
-[[nodiscard]] int evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
-                             const TrackingFrame& frame, const SparseMap& map,
-                             const StereoCamera& camera, const stereo::StereoMatcher& matcher,
-                             double within_m);
+[[nodiscard]] PlaceEvidence evidenceOf(const TrackedPose& seen,
+                                       const std::vector<LandmarkId>& expected,
+                                       const TrackingFrame& frame, const SparseMap& map,
+                                       const StereoCamera& camera,
+                                       const stereo::StereoMatcher& matcher, double within_m);
 
 /// Evidence that no wrong place gives: such a place is believed at once.
 inline constexpr int kPlaceProof = 40;
 
+/// Where a frame may have been taken.
+struct LocatedCamera {
+  TrackedPose tracked;
+  KeyframeId keyframe;  ///< that it was recognised by
+  PlaceEvidence evidence;
+};
+
 /// Believes a pose to which no odometry leads: at once if the frame proves it, else when the same
-/// place was seen for 0.2 s with half of a proof in each frame, 2 s apart at most, each time where
-/// odometry has led since, and all frames together prove it.
+/// place was seen for 0.2 s, 2 s apart at most, each time where odometry has led since, and all
+/// frames together prove it. In their sum no landmark counts twice, because who stands and looks at
+/// the same part of a place learns nothing of the rest; what is missed counts double; and what any
+/// other place has in its own sum is taken off.
 class PlaceCheck {
  public:
-  /// Takes the pose of a frame; true if it may be believed.
+  struct Place {
+    Pose T_map_cam = Pose::Identity();
+    KeyframeId keyframe;
+  };
+  /// Where the camera is if the place of which most has been seen is the right one.
+  [[nodiscard]] std::optional<Place> likeliest(Time time, const Pose& T_odom_cam) const;
+
+  /// Takes all places where a frame may have been taken; the one that may be believed, if any.
   ///
-  /// @param evidence    as evidenceOf(), less that of the place that is alike most
   /// @param T_odom_cam  of the same frame; it may drift, and be off by 1.5 m/s and 2 rad/s where
   ///                    most of the view moves
-  [[nodiscard]] bool add(Time time, int evidence, const Pose& T_map_cam, const Pose& T_odom_cam);
-  void restart() { before_.reset(); }
+  [[nodiscard]] const LocatedCamera* add(Time time, const std::vector<LocatedCamera>& places,
+                                         const Pose& T_odom_cam);
+  void restart() { seen_.clear(); }
 
  private:
-  struct Observation {
-    Time since = 0.0;  ///< the place was seen first
-    Time time = 0.0;   ///< and last
-    int evidence = 0;  ///< of all its frames
+  /// A place that was seen.
+  struct Seen {
+    Time since = 0.0;  ///< first
+    Time time = 0.0;   ///< last
     Pose T_map_odom = Pose::Identity();
+    KeyframeId keyframe;
+    int evidence = 0;              ///< of all its frames
+    std::set<LandmarkId> counted;  ///< in it
   };
-  /// Whether a pose is where odometry has led since the place was seen last.
-  [[nodiscard]] bool agrees(Time time, const Pose& T_map_cam, const Pose& T_odom_cam) const;
+  /// Adds a frame to the place that it shows; its index in seen_.
+  [[nodiscard]] std::size_t addTo(Time time, const LocatedCamera& located, const Pose& T_odom_cam);
 
-  std::optional<Observation> before_;
+  std::vector<Seen> seen_;
 };
 
 }  // namespace headway::slam

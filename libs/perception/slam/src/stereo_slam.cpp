@@ -229,19 +229,22 @@ class StereoSlam::Implementation {
       return isNear(initial_poses.front(), T_map_cam) || (proposed && isNear(*proposed, T_map_cam));
     };
     if (tracked && (lost_in_a_row_ == 0 || isLed(tracked->T_map_cam))) return found(tracked);
-    auto located = loops_.locate(current, expected_, map_);
-    if (!located) return std::nullopt;
     const Pose T_odom_cam =
         motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
-    const Pose& T_map_cam = located->tracked.T_map_cam;
-    if (!isLed(T_map_cam) &&
-        !place_check_.add(current.time, located->evidence, T_map_cam, T_odom_cam)) {
-      return std::nullopt;
+    auto places = loops_.locate(current, expected_, map_);
+    if (const auto before = place_check_.likeliest(current.time, T_odom_cam)) {
+      auto again = loops_.locateAt(*before, current, map_);
+      if (again) places.push_back(std::move(*again));
     }
+    if (places.empty()) return std::nullopt;
+    const LocatedCamera* located = isLed(places.front().tracked.T_map_cam)
+                                       ? &places.front()
+                                       : place_check_.add(current.time, places, T_odom_cam);
+    if (located == nullptr) return std::nullopt;
     relocalised_ = true;
     setReferenceKeyframe(located->keyframe);
     active_submap_.relocaliseAt(located->keyframe);
-    return found(std::move(located->tracked));
+    return found(located->tracked);
   }
 
   /// The camera need not be searched for any longer.
