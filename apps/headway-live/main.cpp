@@ -33,6 +33,9 @@
 #include <sstream>
 #include <thread>
 #include <utility>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "live_page.h"
 #include "replay.h"
@@ -497,6 +500,10 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
+  // A heap for each thread keeps what that thread has freed: after hours more than is in use.
+  mallopt(M_ARENA_MAX, 2);
+#endif
   return program::run("headway-live", [&] {
     LiveOptions options;
     pipeline::PerceptionParams params;
