@@ -104,8 +104,8 @@ class LoopCloser {
   void remove(KeyframeId keyframe) { index_.remove(keyframe); }
 
   /// Where in the whole map a frame may have been taken, without a predicted pose: the place with
-  /// most evidence and, if there is one, the most evident elsewhere; how far they may be believed
-  /// is PlaceCheck's matter.
+  /// most evidence and, if there is one, the most evident elsewhere; PlaceCheck accepts one or
+  /// none.
   ///
   /// @param expected  camera: keyframes near it that look the same way are tried first, others only
   ///                  if none of them fits

@@ -12,7 +12,7 @@ namespace headway::slam {
 
 namespace {
 
-constexpr double kForgotten_s = 2.0;  ///< a place that was not seen since
+constexpr double kMaxGap_s = 2.0;  ///< between two frames that show a place
 
 /// Landmarks of a place that the map has elsewhere, too: several of them are alike others that lie
 /// by one shift away.
@@ -91,13 +91,17 @@ PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>&
   return evidence;
 }
 
-std::optional<PlaceCheck::Place> PlaceCheck::likeliest(Time time, const Pose& T_odom_cam) const {
-  const Seen* likeliest = nullptr;
-  for (const Seen& seen : seen_) {
-    if (time - seen.time > kForgotten_s) continue;
-    if (likeliest == nullptr || seen.evidence > likeliest->evidence) likeliest = &seen;
-  }
-  if (likeliest == nullptr) return std::nullopt;
+void PlaceCheck::removeOld(Time time) {
+  const auto isOld = [time](const Seen& seen) { return time - seen.time > kMaxGap_s; };
+  seen_.erase(std::remove_if(seen_.begin(), seen_.end(), isOld), seen_.end());
+}
+
+std::optional<PlaceCheck::Place> PlaceCheck::likeliest(Time time, const Pose& T_odom_cam) {
+  removeOld(time);
+  const auto likeliest =
+      std::max_element(seen_.begin(), seen_.end(),
+                       [](const Seen& a, const Seen& b) { return a.evidence < b.evidence; });
+  if (likeliest == seen_.end()) return std::nullopt;
   return Place{likeliest->T_map_odom * T_odom_cam, likeliest->keyframe};
 }
 
@@ -135,8 +139,7 @@ std::size_t PlaceCheck::addTo(Time time, const LocatedCamera& located, const Pos
 
 const LocatedCamera* PlaceCheck::add(Time time, const std::vector<LocatedCamera>& places,
                                      const Pose& T_odom_cam) {
-  const auto isOld = [time](const Seen& seen) { return time - seen.time > kForgotten_s; };
-  seen_.erase(std::remove_if(seen_.begin(), seen_.end(), isOld), seen_.end());
+  removeOld(time);
   std::vector<std::size_t> seen_as;
   for (const LocatedCamera& located : places) seen_as.push_back(addTo(time, located, T_odom_cam));
   for (std::size_t i = 0; i < places.size(); ++i) {

@@ -40,7 +40,7 @@ struct PlaceEvidence {
                                        const StereoCamera& camera,
                                        const stereo::StereoMatcher& matcher, double within_m);
 
-/// Evidence that no wrong place gives: such a place is believed at once.
+/// Evidence that no wrong place gives: such a place is accepted at once.
 inline constexpr int kPlaceProof = 40;
 
 /// Where a frame may have been taken.
@@ -50,7 +50,7 @@ struct LocatedCamera {
   PlaceEvidence evidence;
 };
 
-/// Believes a pose to which no odometry leads: at once if the frame proves it, else when the same
+/// Accepts a pose to which no odometry leads: at once if the frame proves it, else when the same
 /// place was seen for 0.2 s, 2 s apart at most, each time where odometry has led since, and all
 /// frames together prove it. In their sum no landmark counts twice, because who stands and looks at
 /// the same part of a place learns nothing of the rest; what is missed counts double; and what any
@@ -62,9 +62,9 @@ class PlaceCheck {
     KeyframeId keyframe;
   };
   /// Where the camera is if the place of which most has been seen is the right one.
-  [[nodiscard]] std::optional<Place> likeliest(Time time, const Pose& T_odom_cam) const;
+  [[nodiscard]] std::optional<Place> likeliest(Time time, const Pose& T_odom_cam);
 
-  /// Takes all places where a frame may have been taken; the one that may be believed, if any.
+  /// Takes all places where a frame may have been taken; the one that is accepted, if any.
   ///
   /// @param T_odom_cam  of the same frame; it may drift, and be off by 1.5 m/s and 2 rad/s where
   ///                    most of the view moves
@@ -82,6 +82,7 @@ class PlaceCheck {
     int evidence = 0;              ///< of all its frames
     std::set<LandmarkId> counted;  ///< in it
   };
+  void removeOld(Time time);
   /// Adds a frame to the place that it shows; its index in seen_.
   [[nodiscard]] std::size_t addTo(Time time, const LocatedCamera& located, const Pose& T_odom_cam);
 
