@@ -153,7 +153,10 @@ TEST_F(TopicSinkTest, TheGyroscopeDoesAtConstantSpeed) {
   addFrame(100.0, planar(0.0), planar(0.0));
   addFrame(100.1, planar(0.05), planar(0.0));
   for (int i = 1; i <= 10; ++i) addRate(100.1 + 0.02 * i, 0.0);
-  ASSERT_TRUE(waitUntil([&] { return samples().size() >= 11; }));
+  ASSERT_TRUE(waitUntil([&] {
+    const auto received = samples();
+    return received.size() >= 11 && received.back().first > 100.29;
+  })) << samples().size();
   EXPECT_NEAR(samples().back().first, 100.3, 1e-5);
   EXPECT_NEAR(samples().back().second, 0.15, 1e-6);
 }
