@@ -92,9 +92,12 @@ Range rangeOf(const std::vector<Cell>& cells, double tail, Value value) {
   std::vector<double> values;
   values.reserve(cells.size());
   for (const auto& cell : cells) values.push_back(value(cell));
-  std::sort(values.begin(), values.end());
-  const auto skip = static_cast<std::size_t>(tail * static_cast<double>(values.size()));
-  return {values[skip], values[values.size() - 1 - skip]};
+  const auto skip = static_cast<std::ptrdiff_t>(tail * static_cast<double>(values.size()));
+  const auto at_min = values.begin() + skip, at_max = values.end() - 1 - skip;
+  std::nth_element(values.begin(), at_min, values.end());
+  const double min = *at_min;
+  std::nth_element(at_min, at_max, values.end());  // none of these is less
+  return {min, *at_max};
 }
 
 // Ratio of the columns of cells below which, down to the ground, something farther is visible:
