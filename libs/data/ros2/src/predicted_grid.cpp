@@ -6,14 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace headway::ros2 {
 namespace {
 
-/// A cell of a grid, by its column and row, and a share of something.
-struct CellShare {
-  int x = 0, y = 0;
-  double share = 0.0;
+/// Ratios of what is in each cell, those of the first column and row at `corner`.
+struct CellRatios {
+  cv::Point corner;
+  cv::Mat1f ratios;
 };
 
 bool isInside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& place) {
@@ -26,30 +27,29 @@ bool isInside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d
 }
 
 /// How much of each cell an object at a place covers.
-std::vector<CellShare> footprintCells(const map::Obstacle& obstacle, const Eigen::Vector2d& centre,
-                                      double cell_m) {
+CellRatios footprintCells(const map::Obstacle& obstacle, const Eigen::Vector2d& centre,
+                          double cell_m) {
   constexpr int kSamples = 4;  // along each side of a cell
   const auto outline = map::contactRegion({}, 0.0, obstacle.shape, obstacle.yaw);
   const double radius = obstacle.shape.radius();
   const Eigen::Array2i first = ((centre.array() - radius) / cell_m).floor().cast<int>();
   const Eigen::Array2i last = ((centre.array() + radius) / cell_m).floor().cast<int>();
-  std::vector<CellShare> cells;
-  for (int y = first.y(); y <= last.y(); ++y) {
-    for (int x = first.x(); x <= last.x(); ++x) {
-      int inside = 0;
-      for (int i = 0; i < kSamples * kSamples; ++i) {
-        const Eigen::Vector2d sample(x + (i % kSamples + 0.5) / kSamples,
-                                     y + (i / kSamples + 0.5) / kSamples);
-        if (isInside(outline, cell_m * sample - centre)) ++inside;
-      }
-      if (inside > 0) cells.push_back({x, y, inside / double{kSamples * kSamples}});
+  const Eigen::Array2i size = last - first + 1;
+  CellRatios cells{{first.x(), first.y()}, cv::Mat1f(size.y(), size.x())};
+  cells.ratios.forEach([&](float& ratio, const int* at) {
+    int inside = 0;
+    for (int i = 0; i < kSamples * kSamples; ++i) {
+      const Eigen::Vector2d sample(first.x() + at[1] + (i % kSamples + 0.5) / kSamples,
+                                   first.y() + at[0] + (i / kSamples + 0.5) / kSamples);
+      if (isInside(outline, cell_m * sample - centre)) ++inside;
     }
-  }
+    ratio = static_cast<float>(inside) / (kSamples * kSamples);
+  });
   return cells;
 }
 
-/// Probabilities of steps of whole cells, which sum up to 1.
-std::vector<CellShare> steps(const Eigen::Matrix2d& covariance, double cell_m) {
+/// Probabilities of steps of whole cells, which sum up to 1; that of none is in the middle.
+cv::Mat1f steps(const Eigen::Matrix2d& covariance, double cell_m) {
   constexpr double kSigmas = 3.0;  // beyond them about a percent is left
   // That of a place within its cell is part of it, so that small ones are more than one sample.
   const Eigen::Matrix2d in_cells =
@@ -58,49 +58,47 @@ std::vector<CellShare> steps(const Eigen::Matrix2d& covariance, double cell_m) {
   // What is spread over more than 100 cells counts as if it were within them.
   const Eigen::Array2i reach =
       (kSigmas * in_cells.diagonal().array().sqrt()).ceil().min(100.0).cast<int>();
-  std::vector<CellShare> all;
-  double sum = 0.0;
-  for (int y = -reach.y(); y <= reach.y(); ++y) {
-    for (int x = -reach.x(); x <= reach.x(); ++x) {
-      const Eigen::Vector2d step(x, y);
-      const double squared = step.dot(information * step);
-      if (squared > kSigmas * kSigmas) continue;
-      all.push_back({x, y, std::exp(-0.5 * squared)});
-      sum += all.back().share;
-    }
-  }
-  for (CellShare& step : all) step.share /= sum;
+  cv::Mat1f all(2 * reach.y() + 1, 2 * reach.x() + 1);
+  all.forEach([&](float& probability, const int* at) {
+    const Eigen::Vector2d step(at[1] - reach.x(), at[0] - reach.y());
+    const double squared = step.dot(information * step);
+    probability = squared > kSigmas * kSigmas ? 0.0F : static_cast<float>(std::exp(-0.5 * squared));
+  });
+  all /= cv::sum(all)[0];
+  return all;
+}
+
+/// The probability that each cell is covered: the footprint, wherever a step takes it.
+CellRatios covered(const CellRatios& footprint, const cv::Mat1f& steps) {
+  const int x = steps.cols / 2, y = steps.rows / 2;
+  CellRatios all{footprint.corner - cv::Point(x, y), {}};
+  cv::copyMakeBorder(footprint.ratios, all.ratios, y, y, x, x, cv::BORDER_CONSTANT, 0.0);
+  cv::filter2D(all.ratios.clone(), all.ratios, CV_32F, steps, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
   return all;
 }
 
 }  // namespace
 
 void setOccupancy(const std::vector<map::Obstacle>& obstacles, GridMessage& grid) {
-  std::vector<double> of_track(grid.cells.size(), 0.0), none(grid.cells.size(), 1.0);
+  const cv::Size size(static_cast<int>(grid.width), static_cast<int>(grid.height));
+  cv::Mat1f of_track(size, 0.0F), none(size, 1.0F);
   const auto end_track = [&] {
-    for (std::size_t i = 0; i < none.size(); ++i) {
-      none[i] *= 1.0 - std::min(of_track[i], 1.0);
-      of_track[i] = 0.0;
-    }
+    none = none.mul(1.0F - cv::min(of_track, 1.0F));
+    of_track.setTo(0.0F);
   };
-  const auto width = static_cast<int>(grid.width), height = static_cast<int>(grid.height);
   for (std::size_t k = 0; k < obstacles.size(); ++k) {
     const map::Obstacle& obstacle = obstacles[k];
     if (k > 0 && !(obstacles[k - 1].id == obstacle.id)) end_track();
     const auto footprint = footprintCells(obstacle, obstacle.centre - grid.corner, grid.cell_m);
-    for (const CellShare& step : steps(obstacle.covariance, grid.cell_m)) {
-      for (const CellShare& cell : footprint) {
-        const int x = cell.x + step.x, y = cell.y + step.y;
-        if (x < 0 || x >= width || y < 0 || y >= height) continue;
-        of_track[static_cast<std::size_t>(y * width + x)] +=
-            obstacle.probability * step.share * cell.share;
-      }
-    }
+    const auto [corner, ratios] = covered(footprint, steps(obstacle.covariance, grid.cell_m));
+    const cv::Rect inside = cv::Rect(corner, ratios.size()) & cv::Rect({0, 0}, size);
+    if (inside.empty()) continue;
+    of_track(inside) += obstacle.probability * ratios(inside - corner);
   }
   end_track();
-  for (std::size_t i = 0; i < none.size(); ++i) {
-    grid.cells[i] = static_cast<std::int8_t>(std::lround(100.0 * (1.0 - none[i])));
-  }
+  std::transform(none.begin(), none.end(), grid.cells.begin(), [](float probability) {
+    return static_cast<std::int8_t>(std::lround(100.0F * (1.0F - probability)));
+  });
 }
 
 }  // namespace headway::ros2

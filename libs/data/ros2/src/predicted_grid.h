@@ -12,7 +12,7 @@ namespace headway::ros2 {
 
 /// Sets the cells of a grid to the probability that any object is there, in percent.
 ///
-/// An object's footprint, as shares of cells, is convolved with the distribution of its centre over
+/// An object's footprint, as ratios of cells, is convolved with the distribution of its centre over
 /// the cells around the most probable one, of which those within three standard deviations count.
 ///
 /// @param obstacles  of one time, grouped by track
