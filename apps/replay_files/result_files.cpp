@@ -293,8 +293,7 @@ bool Checkpoint::isDue() const {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - last_;
   const bool is_early = elapsed < interval_ || elapsed < 50.0 * collecting_;
   if (interval_.count() <= 0.0 || is_early) return false;
-  return !writing_.valid() ||
-         writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  return !writing_.valid() || isReady(writing_);
 }
 
 void Checkpoint::onFrame(const run::FrameResult& /*result*/, pipeline::Perception& /*perception*/) {
@@ -304,10 +303,9 @@ void Checkpoint::onFrame(const run::FrameResult& /*result*/, pipeline::Perceptio
   auto contents = collect_();
   last_ = std::chrono::steady_clock::now();
   collecting_ = last_ - start;
-  writing_ =
-      std::async(std::launch::async, [folder = folder_, what = std::move(contents)]() mutable {
-        writeContents(folder, std::move(what));
-      });
+  writing_ = writer_.run([folder = folder_, what = std::move(contents)]() mutable {
+    writeContents(folder, std::move(what));
+  });
 }
 
 void Checkpoint::onEnd(const std::optional<std::string>& /*failure*/) { finish(); }

@@ -7,6 +7,7 @@
 #include <headway/core/pose.h>
 #include <headway/core/stereo_camera.h>
 #include <headway/core/track.h>
+#include <headway/core/worker_thread.h>
 #include <headway/map/map_file.h>
 #include <headway/pipeline/perception.h>
 #include <headway/run/session.h>
@@ -110,7 +111,7 @@ struct CheckpointContents {
 };
 
 /// Writes map.headway, map_points.ply, trajectory.tum, trajectory_kitti.txt and summary.json while
-/// a run goes on, in a thread of its own, so that a killed run leaves them.
+/// a run goes on, in a thread of its own that no frame waits for, so that a killed run leaves them.
 class Checkpoint : public run::Sink {
  public:
   /// @param interval_s  time between two checkpoints; 0: none
@@ -137,6 +138,7 @@ class Checkpoint : public run::Sink {
   std::chrono::steady_clock::time_point last_;
   std::chrono::duration<double> collecting_{0.0};  ///< duration of the last time
   std::future<void> writing_;
+  WorkerThread writer_{WorkerThread::Priority::kBackground};
 };
 
 }  // namespace headway::replay

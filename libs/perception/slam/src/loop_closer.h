@@ -190,7 +190,8 @@ class LoopCloser {
   FrameTracker tracker_;
   PlaceIndex index_;
   std::unique_ptr<Search> search_;
-  WorkerThread worker_;  ///< last, because its work uses the other members
+  /// Last, because its work uses the other members.
+  WorkerThread worker_{WorkerThread::Priority::kBackground};
 };
 
 }  // namespace headway::slam
