@@ -154,6 +154,7 @@ inline std::vector<bool> doubtedFrames(const Frames& frames, const Failure& fail
     const FrameState state(frame, previous, rate);
     (void)health.checkFrame(state);
     doubted.push_back(health.imageEvidence() != slam::ImageEvidence::kNone);
+    (void)health.checkPair(state);
     previous.index = frame.index;
     previous.time = frame.time;
   }

@@ -580,7 +580,8 @@ Findings InputHealth::checkFrame(const FrameState& state) {
 }
 
 void InputHealth::checkImages(const StereoFrame& frame, Findings& findings) {
-  append(stereo_check_.add(frame), findings);
+  is_pair_compared_ = stereo_check_.isStarting();
+  if (is_pair_compared_) comparePair(frame, findings);
   append(camera_check_.add(frame), findings);
   const bool is_one_missing = camera_check_.isOneMissing();
   if (stereo_check_.imagesContradict() || is_one_missing) disagreed_ = frame.time;
@@ -589,6 +590,16 @@ void InputHealth::checkImages(const StereoFrame& frame, Findings& findings) {
   // Nothing can be measured; before there is a map, nothing can be predicted either.
   if (is_one_missing && was_localised_) images_ = slam::ImageEvidence::kOneUseless;
   if (camera_check_.isFrozen()) images_ = slam::ImageEvidence::kSeenBefore;
+}
+
+Findings InputHealth::checkPair(const FrameState& state) {
+  Findings findings;
+  if (state.frame.stereo && !is_pair_compared_) comparePair(*state.frame.stereo, findings);
+  return counted(std::move(findings));
+}
+
+void InputHealth::comparePair(const StereoFrame& frame, Findings& findings) {
+  append(stereo_check_.add(frame), findings);
   const bool is_turned = std::exchange(turn_, stereo_check_.turn()) != stereo_check_.turn();
   if (is_turned && scale_check_) scale_check_->restart();
 }

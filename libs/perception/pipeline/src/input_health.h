@@ -175,7 +175,9 @@ struct RightCamera {
 ///
 ///     state.findings = health.checkFrame(state);  // before it is used
 ///     ...
-///     const auto more = health.checkResults(state);
+///     state.add(health.checkPair(state));         // after what must not wait for it
+///     ...
+///     state.add(health.checkResults(state));
 class InputHealth {
  public:
   /// @param camera         null without images
@@ -190,6 +192,9 @@ class InputHealth {
 
   /// Clock, motion prior and images of a frame that has no results yet.
   [[nodiscard]] Findings checkFrame(const FrameState& state);
+  /// Whether left and right image agree: the first ones in checkFrame(), since they may refuse the
+  /// camera; later ones here, which changes what is done with the frames that follow.
+  [[nodiscard]] Findings checkPair(const FrameState& state);
   /// Of the newest frame.
   [[nodiscard]] slam::ImageEvidence imageEvidence() const { return images_; }
   [[nodiscard]] RightCamera rightCamera() const;
@@ -219,6 +224,7 @@ class InputHealth {
 
  private:
   void checkImages(const StereoFrame& frame, Findings& findings);
+  void comparePair(const StereoFrame& frame, Findings& findings);
   void checkLoss(const FrameState& state, Findings& findings);
   void checkMotion(const FrameState& state, Findings& findings);
   /// Counts findings, and marks those that are the first of their name.
@@ -235,6 +241,7 @@ class InputHealth {
   std::optional<Time> disagreed_;  ///< of the last frame whose images contradict each other
   Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();  ///< of the right camera, in the frame before
   bool was_localised_ = false;                      ///< in some frame, or in a stored map
+  bool is_pair_compared_ = false;                   ///< of the newest frame
   bool is_trusted_ = true;
   Warnings warnings_;
 };

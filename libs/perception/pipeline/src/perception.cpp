@@ -215,6 +215,7 @@ class Perception::Implementation {
     localise(state);
     mapping.updateLocal(state, times);
     if (on_local) on_local(state.camera, mapping.map());
+    state.add(health.checkPair(state));
     state.found = detect(state);
     state.disparity_offset = localisation.disparityOffset(state);
     odometry.add(frame.index, state.camera.T_map_odom);

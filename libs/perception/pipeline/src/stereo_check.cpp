@@ -364,6 +364,8 @@ std::optional<Finding> StereoCheck::compareRange(const StereoFrame& frame) {
                 0.9 * camera.fx * camera.baseline_m / percentile(near, 0.9))};
 }
 
+bool StereoCheck::isStarting() const { return estimated_ < kTimes.first; }
+
 Findings StereoCheck::add(const StereoFrame& frame) {
   if (frame.right.empty()) return {};  // of a depth camera
   if (!estimator_ && frame.camera != nullptr) estimator_.emplace(*frame.camera, known_);
@@ -382,7 +384,7 @@ Findings StereoCheck::add(const StereoFrame& frame) {
     return late_.evidence.isSuspected() || early_.evidence.isSuspected();
   };
   const bool is_timed = is_due || (isSuspected() && isDue(last_timed_, kTimes.suspected_s));
-  const bool is_first = estimator_ && estimated_ < kTimes.first;
+  const bool is_first = estimator_ && isStarting();
   if (!is_timed && !is_first) return findings;
   auto matches =
       matchesOf(frame, is_first ? kSearch.many_corners : kSearch.corners, kSearch.turn_rad);

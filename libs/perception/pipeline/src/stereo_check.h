@@ -42,6 +42,9 @@ class StereoCheck {
   ///         than can be corrected, with the axis
   [[nodiscard]] Findings add(const StereoFrame& frame);
 
+  /// Whether the next frame is one of the first, each of which is compared and may refuse a camera.
+  [[nodiscard]] bool isStarting() const;
+
   /// Starts with the rotation that an earlier run found for the map in use, before the first frame
   /// [rad]. It changes only by what is surely visible, because the map changes with it.
   void assume(const Eigen::Vector3d& turn);
