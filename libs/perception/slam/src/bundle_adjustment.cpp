@@ -317,10 +317,9 @@ void BundleAdjuster::adjust(SparseMap& map, const std::vector<KeyframeId>& free,
   }
   if (job_ != nullptr || held_) return;
   job_ = std::make_unique<Job>(map, free, camera_);
-  job_->solved =
-      std::async(std::launch::async, [bundle = &job_->bundle, max_iterations, stop = stop_] {
-        bundle->solve(max_iterations, stop);
-      });
+  job_->solved = solver_.run([bundle = &job_->bundle, max_iterations, stop = stop_] {
+    bundle->solve(max_iterations, stop);
+  });
 }
 
 void BundleAdjuster::abandon() {

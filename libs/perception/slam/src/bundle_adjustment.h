@@ -65,7 +65,8 @@ BundleSummary adjustBundle(SparseMap& map, const std::vector<KeyframeId>& free,
                            const StereoCamera& camera, int max_iterations,
                            const StopCondition& stop = neverStop);
 
-/// Runs bundle adjustments, at once or in a thread of its own.
+/// Runs bundle adjustments, at once or in a thread of its own, on what frames leave of the
+/// processors.
 ///
 /// Only the solver runs in that thread, on copies: the map is read and written by the calling
 /// thread alone. At once is deterministic; in the background results depend on timing.
@@ -74,6 +75,7 @@ class BundleAdjuster {
   /// @param stop  ends adjustments early
   BundleAdjuster(const StereoCamera& camera, bool in_background, StopCondition stop = neverStop)
       : camera_(camera), in_background_(in_background), stop_(std::move(stop)) {}
+  ~BundleAdjuster() { abandon(); }
 
   /// Adjusts a neighbourhood. In the background, where one is still being adjusted, this one is
   /// left out: the next keyframe's covers most of it.
@@ -104,10 +106,9 @@ class BundleAdjuster {
  private:
   struct Job {
     DetachedBundle bundle;
-    std::future<void> solved;  ///< waits for its end when destroyed, so it is destroyed first
+    std::future<void> solved;
     Job(const SparseMap& map, const std::vector<KeyframeId>& free, const StereoCamera& camera)
         : bundle(map, free, camera) {}
-    ~Job() { bundle.stop(); }
   };
 
   StereoCamera camera_;
@@ -117,6 +118,7 @@ class BundleAdjuster {
   std::optional<stereo::OffsetEstimate> free_offset_;
   std::unique_ptr<Job> job_;
   std::vector<std::unique_ptr<Job>> abandoned_;  ///< cancelled, still in their last iteration
+  WorkerThread solver_{WorkerThread::Priority::kBackground};  ///< last, because it uses the jobs
 };
 
 }  // namespace headway::slam
