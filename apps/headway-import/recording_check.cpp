@@ -21,6 +21,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -42,7 +43,7 @@
 namespace headway::import {
 namespace {
 
-enum class Rating { kOk, kWarning, kBad };
+enum class Rating { kOk, kUnknown, kWarning, kBad };
 
 /// One line of a check.
 struct CheckItem {
@@ -550,7 +551,7 @@ CheckItem ImageCheck::depthItem() const {
 
 CheckItem ImageCheck::registrationItem() const {
   const auto found = registration_.result();
-  if (!found) return {"registration", "not measurable: too few contours", Rating::kOk, ""};
+  if (!found) return {"registration", "not measurable: too few contours", Rating::kUnknown, ""};
   const auto& [value, sigma] = *found;
   CheckItem item{"registration",
                  formatted("depth fits colour if moved by %+.0f +- %.0f mm right, %+.0f +- %.0f mm "
@@ -611,8 +612,8 @@ std::vector<CheckItem> ImageCheck::clockItems(const std::vector<RotationSample>&
 constexpr std::size_t kMatchedPairs = 100;
 
 const char* wordOf(Rating rating) {
-  if (rating == Rating::kBad) return "bad";
-  return rating == Rating::kWarning ? "warning" : "ok";
+  constexpr std::array kWords{"ok", "unknown", "warning", "bad"};
+  return kWords.at(static_cast<std::size_t>(rating));
 }
 
 void print(const CheckItem& item) {
@@ -680,7 +681,7 @@ class PipelineCheck {
     items.push_back({"mounting",
                      mounting ? "as the floor in view shows it: " + *mounting
                               : "not compared: no floor was seen for 2 s of motion",
-                     Rating::kOk, ""});
+                     mounting ? Rating::kOk : Rating::kUnknown, ""});
     return items;
   }
 
@@ -788,7 +789,8 @@ int checkRawlog(const std::string& path, const std::string& sensor_label) {
                          [rating](const CheckItem& item) { return item.rating == rating; });
   };
   std::cout << "result: " << count(Rating::kBad) << " bad, " << count(Rating::kWarning)
-            << " warnings, " << count(Rating::kOk) << " ok" << std::endl;
+            << " warnings, " << count(Rating::kUnknown) << " unknown, " << count(Rating::kOk)
+            << " ok" << std::endl;
   return count(Rating::kBad) > 0 ? program::kInputFault : program::kDone;
 }
 

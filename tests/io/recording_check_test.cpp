@@ -168,6 +168,13 @@ TEST_F(RecordingCheckTest, AGoodRecordingIsOk) {
   }
 }
 
+TEST_F(RecordingCheckTest, WhatNothingShowsIsUnknown) {
+  test::writeObjects(at("x.rawlog"),
+                     {test::wallObservation(0, 100.0), test::wallObservation(1, 100.1)});
+  EXPECT_THAT(check("x.rawlog").output,
+              AllOf(HasSubstr("unknown  mounting: not compared"), HasSubstr(" 1 unknown,")));
+}
+
 TEST_F(RecordingCheckTest, GapsAndTimesSetBackAreSeen) {
   Objects objects;
   for (int i = 0; i < 60; ++i) {
