@@ -195,29 +195,6 @@ TEST_F(PerceptionEventsTest, CallbacksBringPoseTracksAndMapOfEachFrame) {
   EXPECT_EQ(6, std::count(order.begin(), order.end(), "tracks"));
 }
 
-TEST_F(PerceptionEventsTest, WhatIsBlockedNowIsKnownBeforeObjectsAreDetected) {
-  bool has_tracks = false;
-  PerceptionCallbacks callbacks;
-  callbacks.on_tracks = [&](Time, const std::vector<Track>&) { has_tracks = true; };
-  perception_->setCallbacks(callbacks);
-  std::vector<std::shared_ptr<const map::LocalLayer>> layers;
-  for (int i = 0; i < 3; ++i) {
-    RecordedFrame frame;
-    frame.index = static_cast<std::size_t>(i);
-    frame.stereo = street_.frame(i);
-    frame.time = frame.stereo->time;
-    has_tracks = false;
-    (void)perception_->process(frame, [&](const slam::SlamUpdate&, const map::PerceptionMap& map) {
-      EXPECT_FALSE(has_tracks);
-      layers.push_back(map.local());
-    });
-    EXPECT_EQ(layers.back(), perception_->map().local()) << "the frame's own, and its last word";
-  }
-  ASSERT_EQ(3U, layers.size());
-  EXPECT_NE(nullptr, layers[0]);
-  EXPECT_NE(layers[0], layers[1]);
-}
-
 TEST_F(PerceptionEventsTest, EveryFrameIsLoggedForDebugging) {
   (void)process(0);
   ASSERT_FALSE(messages_[LogLevel::kDebug].empty());

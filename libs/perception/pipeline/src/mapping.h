@@ -128,7 +128,7 @@ class Mapping {
   void remount(std::shared_ptr<const StereoCamera> camera, const PerceptionParams& params,
                StageTimes& times);
 
-  /// Takes what the frame tells of what is blocked now: before objects are detected in it.
+  /// Takes what the frame tells of what is blocked now: while objects are detected in it.
   void updateLocal(const FrameState& state, StageTimes& times);
   /// Takes all else that a frame tells.
   void update(const FrameState& state, StageTimes& times);

@@ -2,6 +2,7 @@
 // The pipeline of one frame: detectors, SLAM, objects, map; and maps of several runs, joined.
 #include <headway/core/error.h>
 #include <headway/core/text.h>
+#include <headway/core/worker_thread.h>
 #include <headway/pipeline/perception.h>
 #include <headway/slam/joint_map.h>
 #include <mrpt/core/exceptions.h>
@@ -213,10 +214,11 @@ class Perception::Implementation {
     state.boxes = detection.detectObjects(frame, state.context, is_new,
                                           state.scans_ground || state.scans_local);
     localise(state);
-    mapping.updateLocal(state, times);
-    if (on_local) on_local(state.camera, mapping.map());
-    state.add(health.checkPair(state));
-    state.found = detect(state);
+    state.found = detectBeside(state, [&] {
+      mapping.updateLocal(state, times);
+      if (on_local) on_local(state.camera, mapping.map());
+      state.add(health.checkPair(state));
+    });
     state.disparity_offset = localisation.disparityOffset(state);
     odometry.add(frame.index, state.camera.T_map_odom);
     state.objects = track(state);
@@ -378,10 +380,33 @@ class Perception::Implementation {
     if (callbacks.on_pose) callbacks.on_pose(state.frame.time, state.camera);
   }
 
-  [[nodiscard]] FrameDetections detect(const FrameState& state) {
-    const PreviousFrame& previous = state.previous;
-    auto found = detection.detectMotion(state.frame, state.T_odom_robot, state.boxes,
-                                        previous.expected, previous.motion);
+  /// Detects objects in another thread while this one does work that neither reads nor writes what
+  /// detection writes.
+  template <typename Work>
+  [[nodiscard]] FrameDetections detectBeside(const FrameState& state, const Work& work) {
+    const auto detect = [&] {
+      return detection.detectMotion(state.frame, state.T_odom_robot, state.boxes,
+                                    state.previous.expected, state.previous.motion);
+    };
+    if (!state.scans_local) {
+      work();
+      return reported(detect());
+    }
+    // What both use of the images is made when it is first used.
+    (void)state.context->ground();
+    (void)state.context->reducedLeft();
+    auto detecting = detector_.run(detect);
+    try {
+      work();
+    } catch (...) {
+      detecting.wait();
+      throw;
+    }
+    return reported(detecting.get());
+  }
+
+  /// Drops and counts what is out of reach.
+  [[nodiscard]] FrameDetections reported(FrameDetections found) {
     if (found.fused) {
       const auto is_far = [this](const Eigen::Vector3d& centre) {
         return centre.norm() > reach_.max_range_m || centre.z() > reach_.max_depth_m;
@@ -468,6 +493,7 @@ class Perception::Implementation {
   FrameRate rate_;
   objects::ConsistencyParams reach_;  ///< of boxes and tracks, whichever detector found them
   double max_box_range_m_ = RuntimeParams().max_box_range_m;
+  WorkerThread detector_;
 };
 
 /// Bounds all objects, whichever detector found them, by what a depth camera measures and by the

@@ -93,7 +93,7 @@ class Perception {
   ///         stored and given the next frame: that follows the last frame that was completed; the
   ///         interrupted one may be part of trajectory, tracks and map, or not.
   ///
-  /// @param on_local  called with the frame's pose and a map with what is blocked now, before
+  /// @param on_local  called with the frame's pose and a map with what is blocked now, while
   ///                  objects are detected; tracks, and grid, are still those of the frame before
   [[nodiscard]] PerceptionUpdate process(const RecordedFrame& frame, const LocalCall& on_local = {});
 

@@ -134,7 +134,7 @@ struct FrameResult {
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// Within each frame, before objects are detected in it, for who needs that early: its pose, and
+  /// Within each frame, while objects are detected in it, for who needs that early: its pose, and
   /// a map with what is blocked now, all else as after the frame before. An exception ends the
   /// session.
   virtual void onLocal(Time /*time*/, const slam::SlamUpdate& /*camera*/,
