@@ -68,12 +68,12 @@ cv::Mat1f steps(const Eigen::Matrix2d& covariance, double cell_m) {
   return all;
 }
 
-/// The probability that each cell is covered: the footprint, wherever a step takes it.
-CellRatios covered(const CellRatios& footprint, const cv::Mat1f& steps) {
+/// The probability that each cell is covered, `footprint` and what the steps reach around it.
+cv::Mat1f covered(const cv::Mat1f& footprint, const cv::Mat1f& steps) {
   const int x = steps.cols / 2, y = steps.rows / 2;
-  CellRatios all{footprint.corner - cv::Point(x, y), {}};
-  cv::copyMakeBorder(footprint.ratios, all.ratios, y, y, x, x, cv::BORDER_CONSTANT, 0.0);
-  cv::filter2D(all.ratios.clone(), all.ratios, CV_32F, steps, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
+  cv::Mat1f within, all;
+  cv::copyMakeBorder(footprint, within, y, y, x, x, cv::BORDER_CONSTANT, 0.0);
+  cv::filter2D(within, all, CV_32F, steps, {-1, -1}, 0.0, cv::BORDER_CONSTANT);
   return all;
 }
 
@@ -90,10 +90,13 @@ void setOccupancy(const std::vector<map::Obstacle>& obstacles, GridMessage& grid
     const map::Obstacle& obstacle = obstacles[k];
     if (k > 0 && !(obstacles[k - 1].id == obstacle.id)) end_track();
     const auto footprint = footprintCells(obstacle, obstacle.centre - grid.corner, grid.cell_m);
-    const auto [corner, ratios] = covered(footprint, steps(obstacle.covariance, grid.cell_m));
-    const cv::Rect inside = cv::Rect(corner, ratios.size()) & cv::Rect({0, 0}, size);
+    const cv::Mat1f kernel = steps(obstacle.covariance, grid.cell_m);
+    const cv::Rect reached(footprint.corner - cv::Point(kernel.cols / 2, kernel.rows / 2),
+                           footprint.ratios.size() + kernel.size() - cv::Size(1, 1));
+    const cv::Rect inside = reached & cv::Rect({0, 0}, size);
     if (inside.empty()) continue;
-    of_track(inside) += obstacle.probability * ratios(inside - corner);
+    of_track(inside) +=
+        obstacle.probability * covered(footprint.ratios, kernel)(inside - reached.tl());
   }
   end_track();
   std::transform(none.begin(), none.end(), grid.cells.begin(), [](float probability) {
