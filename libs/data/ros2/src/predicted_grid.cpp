@@ -11,7 +11,7 @@
 namespace headway::ros2 {
 namespace {
 
-/// Ratios of what is in each cell, those of the first column and row at `corner`.
+/// Covered ratio of each cell, from a column and row on.
 struct CellRatios {
   cv::Point corner;
   cv::Mat1f ratios;
@@ -36,15 +36,17 @@ CellRatios footprintCells(const map::Obstacle& obstacle, const Eigen::Vector2d& 
   const Eigen::Array2i last = ((centre.array() + radius) / cell_m).floor().cast<int>();
   const Eigen::Array2i size = last - first + 1;
   CellRatios cells{{first.x(), first.y()}, cv::Mat1f(size.y(), size.x())};
-  cells.ratios.forEach([&](float& ratio, const int* at) {
-    int inside = 0;
-    for (int i = 0; i < kSamples * kSamples; ++i) {
-      const Eigen::Vector2d sample(first.x() + at[1] + (i % kSamples + 0.5) / kSamples,
-                                   first.y() + at[0] + (i / kSamples + 0.5) / kSamples);
-      if (isInside(outline, cell_m * sample - centre)) ++inside;
+  for (int y = 0; y < size.y(); ++y) {
+    for (int x = 0; x < size.x(); ++x) {
+      int inside = 0;
+      for (int i = 0; i < kSamples * kSamples; ++i) {
+        const Eigen::Vector2d sample(first.x() + x + (i % kSamples + 0.5) / kSamples,
+                                     first.y() + y + (i / kSamples + 0.5) / kSamples);
+        if (isInside(outline, cell_m * sample - centre)) ++inside;
+      }
+      cells.ratios(y, x) = static_cast<float>(inside) / (kSamples * kSamples);
     }
-    ratio = static_cast<float>(inside) / (kSamples * kSamples);
-  });
+  }
   return cells;
 }
 
@@ -59,11 +61,13 @@ cv::Mat1f steps(const Eigen::Matrix2d& covariance, double cell_m) {
   const Eigen::Array2i reach =
       (kSigmas * in_cells.diagonal().array().sqrt()).ceil().min(100.0).cast<int>();
   cv::Mat1f all(2 * reach.y() + 1, 2 * reach.x() + 1);
-  all.forEach([&](float& probability, const int* at) {
-    const Eigen::Vector2d step(at[1] - reach.x(), at[0] - reach.y());
-    const double squared = step.dot(information * step);
-    probability = squared > kSigmas * kSigmas ? 0.0F : static_cast<float>(std::exp(-0.5 * squared));
-  });
+  for (int y = 0; y < all.rows; ++y) {
+    for (int x = 0; x < all.cols; ++x) {
+      const Eigen::Vector2d step(x - reach.x(), y - reach.y());
+      const double squared = step.dot(information * step);
+      all(y, x) = squared > kSigmas * kSigmas ? 0.0F : static_cast<float>(std::exp(-0.5 * squared));
+    }
+  }
   all /= cv::sum(all)[0];
   return all;
 }

@@ -175,9 +175,8 @@ struct RightCamera {
 ///
 ///     state.findings = health.checkFrame(state);  // before it is used
 ///     ...
-///     state.add(health.checkPair(state));         // after what must not wait for it
-///     ...
 ///     state.add(health.checkResults(state));
+///     state.add(health.checkPair(state));         // for the next frame
 class InputHealth {
  public:
   /// @param camera         null without images
@@ -193,7 +192,8 @@ class InputHealth {
   /// Clock, motion prior and images of a frame that has no results yet.
   [[nodiscard]] Findings checkFrame(const FrameState& state);
   /// Whether left and right image agree: the first ones in checkFrame(), since they may refuse the
-  /// camera; later ones here, which changes what is done with the frames that follow.
+  /// camera, and as long as none can be compared; later ones here, after all that uses what is
+  /// undone of the right camera's rotation in this frame.
   [[nodiscard]] Findings checkPair(const FrameState& state);
   /// Of the newest frame.
   [[nodiscard]] slam::ImageEvidence imageEvidence() const { return images_; }
@@ -239,7 +239,7 @@ class InputHealth {
   std::optional<ScaleCheck> scale_check_;
   slam::ImageEvidence images_ = slam::ImageEvidence::kNone;
   std::optional<Time> disagreed_;  ///< of the last frame whose images contradict each other
-  Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();  ///< of the right camera, in the frame before
+  Eigen::Vector3d turn_ = Eigen::Vector3d::Zero();  ///< as the latest comparison left it
   bool was_localised_ = false;                      ///< in some frame, or in a stored map
   bool is_pair_compared_ = false;                   ///< of the newest frame
   bool is_trusted_ = true;

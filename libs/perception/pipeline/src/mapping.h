@@ -96,7 +96,7 @@ class DenseMapper {
   std::shared_future<Scanned> scanning_;
   std::future<TimedFusion> fusing_;
   Clock::time_point next_fusion_{};
-  WorkerThread scanner_{WorkerThread::Priority::kBackground};
+  WorkerThread scanner_;  ///< for which the next frame waits
   WorkerThread fuser_{WorkerThread::Priority::kBackground};
 };
 

@@ -217,12 +217,12 @@ class Perception::Implementation {
     state.found = detectBeside(state, [&] {
       mapping.updateLocal(state, times);
       if (on_local) on_local(state.camera, mapping.map());
-      state.add(health.checkPair(state));
     });
     state.disparity_offset = localisation.disparityOffset(state);
     odometry.add(frame.index, state.camera.T_map_odom);
     state.objects = track(state);
     state.add(health.checkResults(state));
+    state.add(health.checkPair(state));
     mapping.update(state, times);
     previous_ = previousFrom(state);
     return published(std::move(state), map_before);
@@ -381,7 +381,7 @@ class Perception::Implementation {
   }
 
   /// Detects objects in another thread while this one does work that neither reads nor writes what
-  /// detection writes.
+  /// detection writes; after it, if that work does not use the images.
   template <typename Work>
   [[nodiscard]] FrameDetections detectBeside(const FrameState& state, const Work& work) {
     const auto detect = [&] {
@@ -392,9 +392,11 @@ class Perception::Implementation {
       work();
       return reported(detect());
     }
-    // What both use of the images is made when it is first used.
-    (void)state.context->ground();
-    (void)state.context->reducedLeft();
+    {  // What both use of the images is made when it is first used.
+      const auto watch = times.watch("ground");
+      (void)state.context->ground();
+      (void)state.context->reducedLeft();
+    }
     auto detecting = detector_.run(detect);
     try {
       work();

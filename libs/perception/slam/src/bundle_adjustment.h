@@ -117,7 +117,7 @@ class BundleAdjuster {
   bool held_ = false;
   std::optional<stereo::OffsetEstimate> free_offset_;
   std::unique_ptr<Job> job_;
-  std::vector<std::unique_ptr<Job>> abandoned_;  ///< cancelled, still in their last iteration
+  std::vector<std::unique_ptr<Job>> abandoned_;  ///< cancelled, not yet ended
   WorkerThread solver_{WorkerThread::Priority::kBackground};  ///< last, because it uses the jobs
 };
 

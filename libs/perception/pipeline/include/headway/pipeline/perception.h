@@ -170,9 +170,10 @@ class Perception {
   /// The samples still in the smoothing windows; call once, after the last frame.
   [[nodiscard]] std::vector<TrackSample> flush();
 
-  /// Milliseconds by stage: "slam_track", "slam_map", "detect" (of frames with image-based
-  /// detection), "objects", "grid" (of scanned frames), "map_update", "frame"; and in other threads
-  /// "dense_scan" (of scanned frames) and "dense_fuse".
+  /// Milliseconds by stage: "slam_track", "slam_map", "ground" (the end of stereo matching, too),
+  /// "local", "objects", "grid" (of scanned frames), "map_update", "frame"; and in other threads
+  /// "detect" (of frames with image-based detection), "dense_scan" (of scanned frames) and
+  /// "dense_fuse".
   [[nodiscard]] StageTimes times() const;
 
  private:
