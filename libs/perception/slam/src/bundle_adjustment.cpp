@@ -334,10 +334,10 @@ std::optional<Pose> BundleAdjuster::applyFinished(SparseMap& map) {
                                   [](const auto& job) { return isReady(job->solved); }),
                    abandoned_.end());
   if (job_ == nullptr || !isReady(job_->solved)) return std::nullopt;
-  job_->solved.get();
-  const BundleSummary summary = job_->bundle.writeBack(map);
+  const std::unique_ptr<Job> job = std::move(job_);
+  job->solved.get();
+  const BundleSummary summary = job->bundle.writeBack(map);
   free_offset_ = summary.free_offset;
-  job_.reset();
   return summary.correction;
 }
 
