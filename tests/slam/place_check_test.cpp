@@ -124,8 +124,23 @@ TEST_F(PlaceCheckTest, AProofIsAcceptedAtOnce) {
   EXPECT_TRUE(accepts(1.0, seenAt(5.0, kPlaceProof)));
 }
 
+TEST_F(PlaceCheckTest, WhatWasSeenBeforeTheClockWasSetBackIsNoRival) {
+  EXPECT_FALSE(accepts(1000.0, seenAt(20.0, kPlaceProof - 1)));
+  EXPECT_TRUE(accepts(1.0, seenAt(5.0, kPlaceProof)));
+}
+
 TEST_F(PlaceCheckTest, AProofIsNoneIfAnotherPlaceIsAlike) {
   EXPECT_EQ(nullptr, check_.add(1.0, {seenAt(5.0, kPlaceProof), seenAt(20.0, 1)}, shiftedTo(1.0)));
+}
+
+TEST_F(PlaceCheckTest, AProofIsNoneIfAnotherPlaceHasMoreThanHalfOfIt) {
+  const auto isAccepted = [this](int other) {
+    check_.restart();
+    return check_.add(1.0, {seenAt(5.0, 4 * kPlaceProof), seenAt(20.0, other)}, shiftedTo(1.0)) !=
+           nullptr;
+  };
+  EXPECT_TRUE(isAccepted(2 * kPlaceProof));
+  EXPECT_FALSE(isAccepted(2 * kPlaceProof + 1));
 }
 
 TEST_F(PlaceCheckTest, WeakEvidenceIsAcceptedWhenItHasAgreedWithOdometryForAFifthOfASecond) {

@@ -92,7 +92,8 @@ PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>&
 }
 
 void PlaceCheck::removeOld(Time time) {
-  const auto isOld = [time](const Seen& seen) { return time - seen.time > kMaxGap_s; };
+  // A clock that is set back leaves places of a time to come.
+  const auto isOld = [time](const Seen& seen) { return std::abs(time - seen.time) > kMaxGap_s; };
   seen_.erase(std::remove_if(seen_.begin(), seen_.end(), isOld), seen_.end());
 }
 
@@ -109,7 +110,7 @@ std::size_t PlaceCheck::addTo(Time time, const LocatedCamera& located, const Pos
   const Pose& T_map_cam = located.tracked.T_map_cam;
   // Whether it is where odometry has led since the place was seen last.
   const auto agrees = [&](const Seen& seen) {
-    const double seconds = time - seen.time;
+    const double seconds = std::abs(time - seen.time);
     const Pose T_expected_cam = (seen.T_map_odom * T_odom_cam).inverse(Eigen::Isometry) * T_map_cam;
     return T_expected_cam.translation().norm() <= 0.1 + 1.5 * seconds &&
            Eigen::AngleAxisd(T_expected_cam.linear()).angle() <= 0.05 + 2.0 * seconds;
@@ -148,8 +149,10 @@ const LocatedCamera* PlaceCheck::add(Time time, const std::vector<LocatedCamera>
     for (const Seen& other : seen_) {
       if (&other != &place) rival = std::max(rival, other.evidence);
     }
-    if (places[i].evidence.sum() - rival >= kPlaceProof ||
-        (place.evidence - rival >= kPlaceProof && time - place.since >= 0.199)) {
+    // A place that another one is like half as much is a copy of it, seen from another side.
+    const int needed = rival + std::max(kPlaceProof, rival);
+    if (places[i].evidence.sum() >= needed ||
+        (place.evidence >= needed && time - place.since >= 0.199)) {
       return &places[i];
     }
   }
