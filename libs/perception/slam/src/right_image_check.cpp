@@ -13,7 +13,8 @@ struct RightImageLimits {
 };
 constexpr RightImageLimits kLimits;
 
-/// Whether the right image shows landmarks where the map says; nullopt with too few.
+/// Whether the right image shows landmarks where the map says; nullopt with too few. Fewer suffice
+/// to show that it does.
 std::optional<bool> agreementOf(const TrackedPose& tracked, const SparseMap& map,
                                 const StereoCamera& camera, const SlamParams& params) {
   const Pose T_cam_map = tracked.T_map_cam.inverse(Eigen::Isometry);
@@ -27,8 +28,9 @@ std::optional<bool> agreementOf(const TrackedPose& tracked, const SparseMap& map
     ++expected;
     agreeing += seen.measurement.stereo ? 1 : 0;
   }
-  if (expected < 3 * params.min_inliers) return std::nullopt;
-  return agreeing >= kLimits.min_agreement * expected;
+  const bool agrees = agreeing >= kLimits.min_agreement * expected;
+  if (expected < (agrees ? 1 : 3) * params.min_inliers) return std::nullopt;
+  return agrees;
 }
 
 }  // namespace
