@@ -96,6 +96,11 @@ class LostCameraTest : public testing::Test {
     return *slam_;
   }
 
+  void startIn(const std::string& map) {
+    slam_ = std::make_unique<StereoSlam>(world_.camera(), params_);
+    slam_->load(map);
+  }
+
   /// How far the last frame is from a place.
   [[nodiscard]] double errorAt(int place) const {
     const Pose last = slam_->trajectory().back().T_map_robot;
@@ -271,6 +276,37 @@ TEST_F(LostCameraTest, GoesOnInItsMapWhereItRecognisesIt) {
   const auto update = see(world_, 45);
   EXPECT_EQ(update.status, TrackingStatus::kTracked);
   EXPECT_LT(errorAt(45), 0.02) << "by its landmarks, not by its wheels";
+}
+
+TEST_F(LostCameraTest, AnInitialPoseIsSearchedInASubmapOfItsOwnToo) {
+  constexpr double kRepeat_m = 10.24;  // of the texture
+  test::TexturedWorld corridor(test::smallCamera());
+  const Eigen::Vector3d low(-5.0, -1.5, -1.5), x = Eigen::Vector3d::UnitX();
+  for (const double side : {0.0, 3.0}) {
+    const Eigen::Vector3d y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+    corridor.boards.push_back({low + side * z, x, y, 60.0, 3.0, {side, 1.7}});
+    corridor.boards.push_back({low + side * y, x, z, 60.0, 3.0, {5.3, side}});
+  }
+  const auto seen = [&](double at_m) {
+    Pose pose = Pose::Identity();
+    pose.translation().x() = at_m;
+    return processed(corridor.frame(0, 0.0, pose));
+  };
+  for (int i = 0; i < 110; ++i) (void)seen(0.15 * i);
+  const std::string map = slam().save();
+  for (const double repeats : {0.0, 1.0}) {
+    startIn(map);
+    SlamUpdate update;
+    for (int i = 0; i < 30; ++i) update = seen(0.5 + 0.01 * i);
+    ASSERT_GT(update.submap, 0) << "both places of the map look like this one";
+    Pose initial = Pose::Identity();
+    initial.translation().x() = kRepeat_m * repeats + 1.0;
+    slam().setInitialPose(initial);
+    double at_m = 0.8;
+    for (; at_m < 4.0 && update.submap > 0; at_m += 0.1) update = seen(at_m + 0.1);
+    EXPECT_EQ(update.submap, 0);
+    EXPECT_NEAR(update.T_map_robot.translation().x(), kRepeat_m * repeats + at_m, 0.05);
+  }
 }
 
 }  // namespace

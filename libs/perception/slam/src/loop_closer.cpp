@@ -158,6 +158,7 @@ namespace {
 
 constexpr int kMinAge = 20;          ///< keyframes between a place and its return, at least
 constexpr double kDriftFloor = 1.0;  ///< minimum of the maximum drift [m]
+constexpr double kNear_m = 5.0;      ///< a place given by hand and the way to the next keyframe
 
 std::vector<Descriptor> descriptorsOf(KeyframeId keyframe, const SparseMap& map) {
   std::vector<Descriptor> descriptors;
@@ -200,17 +201,18 @@ void LoopCloser::index(KeyframeId keyframe, const SparseMap& map) {
   index_.add(keyframe, descriptorsOf(keyframe, map));
 }
 
-std::vector<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame,
-                                              const std::optional<Pose>& expected,
-                                              SparseMap& map) const {
-  constexpr double kNear_m = 5.0;  ///< a place given by hand and the way to the next keyframe
+bool LoopCloser::isNearExpected(KeyframeId keyframe, const SparseMap& map) const {
+  if (!expected_) return false;
+  const Pose T_expected_key =
+      expected_->inverse(Eigen::Isometry) * map.keyframe(keyframe).T_map_cam;
+  return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
+}
+
+std::vector<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame, SparseMap& map) const {
   const auto points = describe(frame);
-  const auto isNearExpected = [&](KeyframeId id) {
-    const Pose T_expected_key = expected->inverse(Eigen::Isometry) * map.keyframe(id).T_map_cam;
-    return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
-  };
-  if (expected) {
-    auto located = mostEvident(frame, points, isNearExpected, 2.0 * kNear_m, map);
+  if (expected_) {
+    const auto is_near = [&](KeyframeId id) { return isNearExpected(id, map); };
+    auto located = mostEvident(frame, points, is_near, 2.0 * kNear_m, map);
     if (located) return {std::move(*located)};
   }
   const auto isAnywhere = [](KeyframeId /*id*/) { return true; };
@@ -314,6 +316,7 @@ LoopCandidate LoopCloser::candidateOf(KeyframeId newest, KeyframeId old,
   candidate.among = map.seenBy(map.neighbourhood(old, params_.window));
   candidate.expected = map.keyframe(old).landmarks;
   candidate.offset_allowed_m = allowedOffset(newest, old, map);
+  candidate.unique_within_m = isNearExpected(old, map) ? 2.0 * kNear_m : HUGE_VAL;
   return candidate;
 }
 
@@ -339,7 +342,7 @@ std::optional<ClosedLoop> LoopCloser::verify(const TrackingFrame& frame,
   attempt.outcome = LoopOutcome::kTooFewInliers;
   const auto isProven = [&] {
     return evidenceOf(*seen_from, candidate.expected, frame, map, camera_,
-                      matcherFor(camera_, params_), HUGE_VAL)
+                      matcherFor(camera_, params_), candidate.unique_within_m)
                .sum() >= kPlaceProof;
   };
   if (std::isinf(attempt.offset_allowed_m) && !isProven()) return std::nullopt;
@@ -371,7 +374,7 @@ std::vector<LoopAttempt> LoopCloser::close(const TrackingFrame& frame, KeyframeI
   const auto old = findLoopCandidates(newest, map);
   if (old.empty()) return attempts;
   const auto points = describe(frame);
-  for (const KeyframeId keyframe : mostAlike(points, old)) {
+  for (const KeyframeId keyframe : mostAlike(points, old, map)) {
     LoopCandidate candidate = candidateOf(newest, keyframe, map);
     const auto loop = verify(frame, points, candidate, map);
     attempts.push_back(candidate.attempt);
@@ -391,15 +394,22 @@ std::vector<DescribedPoint> LoopCloser::describe(const TrackingFrame& frame) {
 }
 
 std::vector<KeyframeId> LoopCloser::mostAlike(const std::vector<DescribedPoint>& points,
-                                              const std::vector<KeyframeId>& among) const {
+                                              const std::vector<KeyframeId>& among,
+                                              const SparseMap& map) const {
   constexpr int kCandidates = 2;
-  const auto wanted = [&](KeyframeId id) {
-    return std::binary_search(among.begin(), among.end(), id);
-  };
+  const auto descriptors = descriptorsOf(points);
   std::vector<KeyframeId> alike;
-  for (const auto& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
-    alike.push_back(match.keyframe);
-  }
+  const auto add = [&](bool near_expected) {
+    const auto wanted = [&](KeyframeId id) {
+      return std::binary_search(among.begin(), among.end(), id) &&
+             isNearExpected(id, map) == near_expected;
+    };
+    for (const auto& match : index_.query(descriptors, kCandidates, wanted)) {
+      alike.push_back(match.keyframe);
+    }
+  };
+  if (expected_) add(true);
+  add(false);
   return alike;
 }
 
@@ -479,7 +489,7 @@ LoopProgress LoopCloser::advance(SparseMap& map) {
   }
   switch (search_->step) {
     case Search::Step::kDescribe:
-      search_->candidates = mostAlike(search_->points, search_->old);
+      search_->candidates = mostAlike(search_->points, search_->old, map);
       if (!verifyNext(map)) endSearch();
       break;
     case Search::Step::kVerify:

@@ -78,6 +78,7 @@ struct LoopCandidate {
   std::vector<LandmarkId> among;     ///< landmarks of the old keyframe's surroundings, ascending
   std::vector<LandmarkId> expected;  ///< those that the old keyframe itself sees
   double offset_allowed_m = 0.0;     ///< maximum drift between both
+  double unique_within_m = 0.0;      ///< where landmarks must not repeat
 };
 
 /// Result of the background search that ended before a frame.
@@ -107,11 +108,11 @@ class LoopCloser {
   /// most evidence and, if there is one, the most evident elsewhere; PlaceCheck accepts one or
   /// none.
   ///
-  /// @param expected  camera: keyframes near it that look the same way are tried first, others only
-  ///                  if none of them fits
-  [[nodiscard]] std::vector<LocatedCamera> locate(const TrackingFrame& frame,
-                                                  const std::optional<Pose>& expected,
-                                                  SparseMap& map) const;
+  [[nodiscard]] std::vector<LocatedCamera> locate(const TrackingFrame& frame, SparseMap& map) const;
+
+  /// Where the camera is expected, by somebody who knows: keyframes near it that look the same way
+  /// are tried first, others only if none of them fits.
+  void expect(const std::optional<Pose>& T_map_cam) { expected_ = T_map_cam; }
 
   /// Whether a frame was taken where a place leads that was seen before, near a keyframe, which
   /// may have left the map since.
@@ -167,9 +168,12 @@ class LoopCloser {
   /// Old keyframes within drift distance of the newest one or of unknown distance, ascending.
   [[nodiscard]] std::vector<KeyframeId> findLoopCandidates(KeyframeId newest,
                                                            const SparseMap& map) const;
-  /// The keyframes that share most descriptors, best first.
+  [[nodiscard]] bool isNearExpected(KeyframeId keyframe, const SparseMap& map) const;
+  /// The keyframes that share most descriptors, best first; those near the expected place before
+  /// all others.
   [[nodiscard]] std::vector<KeyframeId> mostAlike(const std::vector<DescribedPoint>& points,
-                                                  const std::vector<KeyframeId>& among) const;
+                                                  const std::vector<KeyframeId>& among,
+                                                  const SparseMap& map) const;
   [[nodiscard]] LoopCandidate candidateOf(KeyframeId newest, KeyframeId old,
                                           const SparseMap& map) const;
   [[nodiscard]] double allowedOffset(KeyframeId newest, KeyframeId old, const SparseMap& map) const;
@@ -189,6 +193,7 @@ class LoopCloser {
   BundleAdjuster& adjuster_;
   FrameTracker tracker_;
   PlaceIndex index_;
+  std::optional<Pose> expected_;
   std::unique_ptr<Search> search_;
   /// Last, because its work uses the other members.
   WorkerThread worker_{WorkerThread::Priority::kBackground};

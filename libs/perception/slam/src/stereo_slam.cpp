@@ -186,7 +186,10 @@ class StereoSlam::Implementation {
     noteChange(MapChange::kMounting);
   }
 
-  void setInitialPose(const Pose& T_map_robot) { expected_ = T_map_robot * camera_->T_robot_cam; }
+  void setInitialPose(const Pose& T_map_robot) {
+    expected_ = T_map_robot * camera_->T_robot_cam;
+    T_odom_expected_.reset();
+  }
 
   [[nodiscard]] MapView map() { return views_.make(map_, submap()); }
   [[nodiscard]] MapView map(int submap) const { return makeMapView(map_, T_cam_robot_, submap); }
@@ -201,6 +204,7 @@ class StereoSlam::Implementation {
                                    const TrackingFrame& current, const MovingRegions& moving) {
     relocalised_ = false;
     if (!reference_) initialiseMotion(context);
+    moveExpected();
     std::optional<Pose> proposed;
     auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
     if (map_.keyframes().empty()) return std::nullopt;
@@ -231,7 +235,7 @@ class StereoSlam::Implementation {
     if (tracked && (lost_in_a_row_ == 0 || isLed(tracked->T_map_cam))) return found(tracked);
     const Pose T_odom_cam =
         motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
-    auto places = loops_.locate(current, expected_, map_);
+    auto places = loops_.locate(current, map_);
     if (const auto before = place_check_.likeliest(current.time, T_odom_cam)) {
       auto again = loops_.locateAt(*before, current, map_);
       if (again) places.push_back(std::move(*again));
@@ -247,10 +251,19 @@ class StereoSlam::Implementation {
     return found(located->tracked);
   }
 
-  /// The camera need not be searched for any longer.
+  /// Odometry moves on where the camera was said to be.
+  void moveExpected() {
+    if (!expected_) return loops_.expect(std::nullopt);
+    const Pose& T_odom_cam = motion_in_odom_.last();
+    if (!T_odom_expected_) T_odom_expected_ = T_odom_cam;
+    loops_.expect(*expected_ * T_odom_expected_->inverse(Eigen::Isometry) * T_odom_cam);
+  }
+
+  /// The camera need not be searched for any longer; in a submap of its own, its place in the map
+  /// still is.
   std::optional<TrackedPose> found(std::optional<TrackedPose> tracked) {
     place_check_.restart();
-    expected_.reset();
+    if (submap() == 0) expected_.reset();
     return tracked;
   }
 
@@ -682,7 +695,8 @@ class StereoSlam::Implementation {
   ActiveSubmap active_submap_;
   PlaceCheck place_check_;
   RightImageCheck right_image_;
-  std::optional<Pose> expected_;  ///< of the camera, until it is tracked
+  std::optional<Pose> expected_;  ///< of the camera when that was said, until it is found there
+  std::optional<Pose> T_odom_expected_;  ///< the camera in that frame
   int lost_in_a_row_ = 0;
   double lost_s_ = 0.0;  ///< in these frames
   FrameRate rate_;

@@ -66,8 +66,8 @@ class Perception {
   ///         damaged, of another version or of another camera
   void resume(const map::StoredMap& stored);
 
-  /// Where the robot is in the map, roughly: there a lost camera is searched first (see
-  /// slam::StereoSlam), from the next frame on. By any thread.
+  /// Where the robot is in the map, roughly: there a camera that is not localised in it is searched
+  /// first (see slam::StereoSlam), from the next frame on. By any thread.
   void setInitialPose(const Pose& T_map_robot);
 
   /// The map as stored in a file, with the data for resume(), without configuration.

@@ -216,8 +216,9 @@ class StereoSlam {
   /// @throws InputError if the bytes are cut off, damaged, of another version or of another camera
   void load(const std::string& bytes);
 
-  /// Where the robot is, roughly: while the camera is lost, as it is in a map that was loaded, it
-  /// is searched there first, within 5 m and a right angle. Forgotten when the camera is tracked.
+  /// Where the robot is in the map, roughly: a camera that is lost, as it is in a map that was
+  /// loaded, or tracked in a submap of its own, is searched there first, within 5 m and a right
+  /// angle of where odometry has led since. Of no effect once it is tracked in the map.
   void setInitialPose(const Pose& T_map_robot);
 
   /// Waits for a running background search for loops and adjustment and applies both, at the end of
