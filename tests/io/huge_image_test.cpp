@@ -6,6 +6,7 @@
 #include <headway_test/black_png.h>
 #include <headway_test/folders.h>
 #include <headway_test/peak_memory.h>
+#include <zlib.h>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -18,6 +19,15 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
+
+/// A PNG whose first chunk is of a kind that decoders skip, and looks like the header of a small
+/// one.
+std::string behindAnotherChunk(std::string png) {
+  std::string chunk("prVt\0\0\0\x10\0\0\0\x10\x08\0\0\0\0", 17);
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), 17);
+  for (int shift = 24; shift >= 0; shift -= 8) chunk += static_cast<char>(sum >> shift);
+  return png.insert(8, std::string("\0\0\0\x0D", 4) + chunk);
+}
 
 class HugeImageTest : public ::testing::Test {
  protected:
@@ -35,8 +45,11 @@ class HugeImageTest : public ::testing::Test {
 };
 
 TEST_F(HugeImageTest, IsBrokenInEachFormat) {
-  EXPECT_EQ(cv::Size(300, 20), decodeImage(test::blackPng(300, 20)).size());
+  const std::string small_png = test::blackPng(300, 20);
+  EXPECT_EQ(cv::Size(300, 20), decodeImage(small_png).size());
+  EXPECT_EQ(cv::Size(300, 20), decodeImage(behindAnotherChunk(small_png)).size());
   EXPECT_TRUE(decodeImage(huge_).empty());
+  EXPECT_TRUE(decodeImage(behindAnotherChunk(huge_)).empty());
   for (const char* ending : {".png", ".bmp", ".pgm", ".tif"}) {
     std::vector<unsigned char> small;
     cv::imencode(ending, test::wall(1).right, small);

@@ -99,6 +99,9 @@ void onPngWarning(png_structp /*png*/, png_const_charp /*text*/) {}
 bool decodePngTo(cv::Mat& pixels, std::vector<png_bytep>& rows, png_structp png, png_infop info) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_read_info(png, info);
+  // Which the header needs not be the first chunk of, as headerSize() takes it.
+  if (!isWithinLimits(png_get_image_width(png, info), png_get_image_height(png, info)))
+    return false;
   png_set_expand(png);  // palettes, and grey of fewer bits
   png_set_strip_alpha(png);
   png_set_bgr(png);
