@@ -228,7 +228,9 @@ TEST_F(OutputFileTest, NothingWritesAFileThatIsRead) {
   const auto isStale = [](const fs::path&) { return true; };
   EXPECT_THROW(replaceFiles(folder_ / "new", folder_.path(), isStale), InputError);
   fs::remove_all(folder_ / "new/input");
+  writeFile(folder_ / "an old file", "");
   EXPECT_THROW(replaceFiles(folder_ / "new", folder_.path(), isStale), InputError) << "it is stale";
+  EXPECT_TRUE(fs::exists(folder_ / "an old file")) << "removed before the error";
   EXPECT_EQ("read", contentOf(input));
   EXPECT_NO_THROW(writeFile(folder_ / "nothing", "written"));
 }

@@ -15,6 +15,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace headway {
 namespace {
@@ -208,14 +209,15 @@ void replaceFiles(const std::filesystem::path& from, const std::filesystem::path
     std::filesystem::create_directories(to);
     const auto files = filesIn(from);
     for (const auto& file : files) requireNoInput(to / file);
+    std::vector<std::filesystem::path> stale;
     // `from` may be a folder of `to`.
     for (const auto& file : filesIn(to)) {
       const bool is_new =
           files.count(file) > 0 || files.count((to / file).lexically_relative(from)) > 0;
-      if (is_new || !is_stale(file)) continue;
-      requireNoInput(to / file);
-      std::filesystem::remove(to / file);
+      if (!is_new && is_stale(file)) stale.push_back(to / file);
     }
+    for (const auto& file : stale) requireNoInput(file);
+    for (const auto& file : stale) std::filesystem::remove(file);
     for (const auto& file : files) {
       std::filesystem::create_directories((to / file).parent_path());
       std::filesystem::rename(from / file, to / file);
