@@ -130,6 +130,7 @@ class PageServer::Implementation {
   };
   using Shared = std::shared_ptr<Connection>;
 
+  void serve();
   void accept();
   void add(tcp::socket socket);
   [[nodiscard]] bool refuseOldest();
@@ -172,7 +173,7 @@ void PageServer::Implementation::start(int port, const std::string& option) {
                      error.code().message() + ")");
   }
   accept();
-  thread_ = std::thread([this] { context_.run(); });
+  thread_ = std::thread([this] { serve(); });
 }
 
 void PageServer::Implementation::end() {
@@ -185,11 +186,22 @@ void PageServer::Implementation::end() {
   connections_.clear();
 }
 
+void PageServer::Implementation::serve() {
+  for (;;) {
+    try {
+      context_.run();
+      return;
+    } catch (
+        const std::exception&) {  // such as lack of memory: it ends what was done, not the robot
+    }
+  }
+}
+
 void PageServer::Implementation::accept() {
   acceptor_.async_accept([this](error_code error, tcp::socket socket) {
     if (!error) {
-      add(std::move(socket));
-      return accept();
+      accept();
+      return add(std::move(socket));
     }
     // Without a free descriptor every try fails at once.
     pause_.expires_after(milliseconds(100));
