@@ -33,6 +33,7 @@ MessageImport::MessageImport(const BagImportOptions& options, const BagRig& rig,
       rig_(rig),
       summary_(summary),
       is_stereo_(!options.topics.left.empty()),
+      is_imu_split_(options.topics.imu.size() > 1),
       pairing_(is_stereo_ ? kStereoTolerance : kDepthTolerance) {}
 
 void MessageImport::add(const BagTopic& topic, const BagMessage& message) {
@@ -127,7 +128,8 @@ const Pose* MessageImport::mountingOf(const std::string& topic) {
 }
 
 void MessageImport::addImu(const BagTopic& topic, const BagMessage& message) {
-  const ImuMessage imu = decodeImu(message.content, topic.encoding);
+  ImuMessage imu = decodeImu(message.content, topic.encoding);
+  if (is_imu_split_) leaveOutZeroRate(imu);
   const Pose* mounting = mountingOf(topic.name);
   if (mounting == nullptr) return;
   if (!imu.angular_velocity.allFinite() || !imu.acceleration.allFinite()) {

@@ -148,6 +148,7 @@ class MessageImport {
   const BagRig& rig_;
   BagImportSummary& summary_;
   bool is_stereo_;
+  bool is_imu_split_;  ///< into a topic each of gyroscope and accelerometer
   ImagePairing pairing_;
   TimeOrder order_;
   std::size_t pairs_ = 0;

@@ -181,9 +181,14 @@ ImuMessage decodeImu(std::string_view content, Encoding encoding) {
   imu.angular_velocity = vectorFrom(in);
   imu.has_angular_velocity = in.array<double, 9>()[0] != kNotMeasured;
   imu.acceleration = vectorFrom(in);
-  imu.has_acceleration = in.array<double, 9>()[0] != kNotMeasured;
+  // An accelerometer feels gravity.
+  imu.has_acceleration = in.array<double, 9>()[0] != kNotMeasured && !imu.acceleration.isZero(0.0);
   in.requireEnd();
   return imu;
+}
+
+void leaveOutZeroRate(ImuMessage& imu) {
+  imu.has_angular_velocity = imu.has_angular_velocity && !imu.angular_velocity.isZero(0.0);
 }
 
 OdometryMessage decodeOdometry(std::string_view content, Encoding encoding) {

@@ -149,6 +149,8 @@ struct PoseMessage {
                                                            Encoding encoding);
 [[nodiscard]] CameraInfoMessage decodeCameraInfo(std::string_view content, Encoding encoding);
 [[nodiscard]] ImuMessage decodeImu(std::string_view content, Encoding encoding);
+/// Of a sensor with two topics: that of the accelerometer states a rate of zero (RealSense).
+void leaveOutZeroRate(ImuMessage& imu);
 [[nodiscard]] OdometryMessage decodeOdometry(std::string_view content, Encoding encoding);
 [[nodiscard]] LaserScanMessage decodeLaserScan(std::string_view content, Encoding encoding);
 [[nodiscard]] NavSatFixMessage decodeNavSatFix(std::string_view content, Encoding encoding);
