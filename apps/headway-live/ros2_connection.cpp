@@ -71,15 +71,15 @@ class Ros2Connection::Implementation {
   Implementation(const Ros2Params& params, bool has_sensors, const std::string& calibration,
                  double pair_tolerance_s, Callbacks callbacks)
       : callbacks_(std::move(callbacks)),
+        odom_frame_(params.sink.odom_frame),
         node_(params.node),
         source_(node_, has_sensors ? namedOnly(params.source) : params.source,
-                {calibration, pair_tolerance_s, params.sink.odom_frame, params.sink.robot_frame,
-                 params.sink.map_frame},
+                {calibration, pair_tolerance_s, params.sink.odom_frame, params.sink.map_frame},
                 {callbacks_.observation, callbacks_.message,
                  [this](const Pose& T_map_robot) { setInitialPose(T_map_robot); }}),
         sink_(node_, params.sink,
-              {[this](Time time) { return source_.odometryAt(time); },
-               [this] { return diagnostics(); }}) {}
+              {[this](Time time) { return othersOdometry(time); },
+               [this] { return source_.robotFrame(); }, [this] { return diagnostics(); }}) {}
 
   ~Implementation() { stop(); }
 
@@ -130,6 +130,22 @@ class Ros2Connection::Implementation {
     if (perception_ != nullptr) perception_->setInitialPose(T_map_robot);
   }
 
+  /// By the session's thread.
+  [[nodiscard]] std::optional<Pose> othersOdometry(Time time) {
+    const auto pose = source_.odometryAt(time);
+    const double now_s = monotonicSeconds();
+    if (!first_frame_s_) first_frame_s_ = now_s;
+    if (pose) is_odometry_known_ = true;
+    if (!is_odometry_known_ &&
+        now_s - *first_frame_s_ > drivers::SensorGroupOptions().max_silence_s) {
+      is_odometry_known_ = true;
+      const std::string& robot = source_.robotFrame();
+      callbacks_.message("ROS 2: nobody publishes " + odom_frame_ + " -> " + robot + ": " + robot +
+                         " has no place in the map, unless odom_base = true in [ros2_publish]");
+    }
+    return pose;
+  }
+
   [[nodiscard]] std::vector<ros2::DiagnosticLine> diagnostics() {
     std::vector<ros2::DiagnosticLine> lines;
     const std::lock_guard lock(mutex_);
@@ -146,6 +162,9 @@ class Ros2Connection::Implementation {
   }
 
   const Callbacks callbacks_;
+  const std::string odom_frame_;
+  std::optional<double> first_frame_s_;
+  bool is_odometry_known_ = false;  ///< somebody publishes it, or that nobody does was said
   std::mutex mutex_;
   bool is_running_ = false;                     // guarded by mutex_; may the callbacks be used?
   std::optional<Pose> initial_pose_;            // guarded by mutex_

@@ -53,6 +53,8 @@ class TopicSinkTest : public ::testing::Test {
           samples_.emplace_back(stamp.sec() + 1e-9 * stamp.nanosec(),
                                 message.pose().pose().position().x());
           frame_ = message.header().frame_id();
+          const auto& axes = message.pose().pose().orientation();
+          yaw_ = 2.0 * std::atan2(axes.z(), axes.w());
         });
     transforms_ = peer_.reader<TFMessage_PubSubType>(
         "rt/tf", {true, false, 1000}, [this](const auto& message) {
@@ -118,6 +120,7 @@ class TopicSinkTest : public ::testing::Test {
   std::vector<std::pair<Time, double>> samples_;  // guarded by mutex_, like the members below
   std::map<std::string, double> edges_;           // x of transforms
   std::string frame_;
+  double yaw_ = 0.0;
   std::unique_ptr<FastDdsPeer::Reader> odometry_, transforms_;
   std::optional<TopicSink> sink_;
 };
@@ -159,6 +162,24 @@ TEST_F(TopicSinkTest, TheGyroscopeDoesAtConstantSpeed) {
   })) << samples().size();
   EXPECT_NEAR(samples().back().first, 100.3, 1e-5);
   EXPECT_NEAR(samples().back().second, 0.15, 1e-6);
+}
+
+TEST_F(TopicSinkTest, TheGyroscopeMayBeMountedOnItsSide) {
+  start({});
+  addFrame(100.0, planar(0.0), planar(0.0));
+  addFrame(100.1, planar(0.0), planar(0.0));
+  mrpt::obs::CObservationIMU imu;
+  imu.sensorPose =
+      mrpt::poses::CPose3D(0.0, 0.0, 0.0, 0.0, 0.0, M_PI / 2);  // its y is the robot's z
+  for (const auto axis : {mrpt::obs::IMU_WX, mrpt::obs::IMU_WZ}) imu.set(axis, 0.0);
+  imu.set(mrpt::obs::IMU_WY, 0.5);
+  for (int i = 1; i <= 10; ++i) {
+    imu.timestamp = io::mrptTime(100.1 + 0.02 * i);
+    sink_->addObservation(imu);
+  }
+  ASSERT_TRUE(waitUntil([&] { return !samples().empty() && samples().back().first > 100.29; }));
+  const std::lock_guard lock(mutex_);
+  EXPECT_NEAR(yaw_, 0.5 * 0.2, 1e-5);
 }
 
 /// At times of today, whose stamps are rounded, and with jitter.
@@ -233,6 +254,17 @@ TEST_F(TopicSinkTest, WithoutAPlaceInTheMapThereIsNoTransformToIt) {
   EXPECT_EQ(edges().count("odom>base_link"), 1U);
   addFrame(100.2, planar(0.0), planar(0.0), slam::TrackingStatus::kLost);
   EXPECT_TRUE(waitUntil([&] { return edges().count("map>odom") == 1; }));
+}
+
+TEST_F(TopicSinkTest, TheRobotsFrameIsThatOfTheSensors) {
+  TopicSink::Hooks hooks;
+  hooks.robot_frame = [] { return std::string("base"); };
+  Ros2SinkParams params;
+  params.odom_base = true;
+  start(params, hooks);
+  addFrame(100.0, planar(0.0), planar(0.0));
+  EXPECT_TRUE(waitUntil([&] { return edges().count("odom>base") == 1; }));
+  EXPECT_EQ(edges().count("odom>base_link"), 0U);
 }
 
 TEST_F(TopicSinkTest, RatesAndSwitchesAreThoseOfTheParameters) {

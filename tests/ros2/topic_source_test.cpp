@@ -76,14 +76,19 @@ class StereoWriters {
       EXPECT_TRUE(infos_.at(side)->write(&info) && images_.at(side)->write(&picture_));
     }
   }
-  /// Both cameras on base_link.
-  void mount() {
+  /// Both cameras, and where odometry has the robot.
+  void mount(const std::string& base = "base_link") {
     tf2_msgs::msg::dds_::TFMessage_ message;
-    message.transforms().resize(2);
+    message.transforms().resize(3);
+    message.transforms()[2].header().stamp().sec(100);
+    message.transforms()[2].header().frame_id("odom");
+    message.transforms()[2].child_frame_id(base);
+    message.transforms()[2].transform().translation().x(5.0);
+    message.transforms()[2].transform().rotation().w(1.0);
     const std::array<const char*, 2> frames = {"left", "right"};
     for (const std::size_t side : {0, 1}) {
       auto& transform = message.transforms()[side];
-      transform.header().frame_id("base_link");
+      transform.header().frame_id(base);
       transform.child_frame_id(frames.at(side));
       transform.transform().translation().x(0.25);
       transform.transform().rotation().w(1.0);
@@ -630,6 +635,48 @@ TEST_F(TopicSourceTest, TransformsThatComeTooLateAreNamed) {
   EXPECT_FALSE(isSaid("tf mounts the camera"));
   camera.mount();
   EXPECT_TRUE(waitUntil([&] { return isSaid("tf mounts the camera on base_link only now"); }));
+}
+
+TEST_F(TopicSourceTest, TheRobotsFrameIsThatWhichCarriesTheCamera) {
+  StereoWriters camera(peer_);
+  camera.setFocal(50.0);
+  start();
+  EXPECT_EQ(source_->robotFrame(), "base_link");
+  EXPECT_TRUE(waitUntil([&] {
+    camera.mount("base");
+    camera.write(0.1);
+    return count("CObservationStereoImages") > 0 && source_->robotFrame() == "base";
+  })) << source_->missing();
+  EXPECT_TRUE(waitUntil([&] {
+    camera.mount("base");
+    const auto odometry = source_->odometryAt(100.0);
+    return odometry && odometry->translation().x() == 5.0;
+  }));
+}
+
+TEST_F(TopicSourceTest, OfASensorInTwoTopicsZerosOfTheOtherHalfAreNoMeasurement) {
+  StereoWriters camera(peer_);
+  camera.setFocal(50.0);
+  camera.mount();
+  using ImuType = sensor_msgs::msg::dds_::Imu_PubSubType;
+  const auto gyro = peer_.writer<ImuType>("rt/imu/gyro/sample");
+  const auto accel = peer_.writer<ImuType>("rt/imu/accel/sample");
+  start();
+  const auto isReceived = [&](FastDdsPeer::Writer& writer, const auto& has) {
+    sensor_msgs::msg::dds_::Imu_ message;
+    message.header().frame_id("left");
+    if (&writer == gyro.get()) message.angular_velocity().z(0.3);
+    if (&writer == accel.get()) message.linear_acceleration().z(9.81);
+    return waitUntil([&] {
+      camera.write(0.1);
+      EXPECT_TRUE(writer.write(&message));
+      const auto sample = last<mrpt::obs::CObservationIMU>();
+      return sample && has(*sample);
+    });
+  };
+  using mrpt::obs::IMU_WZ, mrpt::obs::IMU_Z_ACC;
+  EXPECT_TRUE(isReceived(*gyro, [](const auto& s) { return s.has(IMU_WZ) && !s.has(IMU_Z_ACC); }));
+  EXPECT_TRUE(isReceived(*accel, [](const auto& s) { return s.has(IMU_Z_ACC) && !s.has(IMU_WZ); }));
 }
 
 TEST_F(TopicSourceTest, ReasonsThatMessagesInventAreBounded) {

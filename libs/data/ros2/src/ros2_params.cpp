@@ -14,7 +14,8 @@ void Ros2SourceParams::describe(Params::Section all) {
   section.add("odometry", odometry, "Wheel odometry; none: none");
   section.add("scan", scan, "Laser scans, separated by commas; none: none");
   section.add("gnss", gnss, "Satellite positions; none: none");
-  section.add("base_frame", base_frame, "Frame of the robot; empty: base_link, base_footprint");
+  section.add("base_frame", base_frame,
+              "Frame of the robot; empty: base_link, base_footprint, base or body");
 }
 
 void Ros2SinkParams::describe(Params::Section all) {
@@ -25,7 +26,6 @@ void Ros2SinkParams::describe(Params::Section all) {
   section.add("prefix", prefix, "Of the topics without a name in ROS");
   section.add("map_frame", map_frame, "Frame of the map");
   section.add("odom_frame", odom_frame, "Frame of the odometry");
-  section.add("robot_frame", robot_frame, "Frame of the robot");
   section.add("map_odom", map_odom, "Publish /tf map -> odom");
   section.add("odom_base", odom_base,
               "Publish /tf odom -> base_link by the images; only if nothing else does");

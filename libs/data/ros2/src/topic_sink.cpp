@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Results of a session as topics of ROS 2.
+#include <headway/core/mrpt_pose.h>
 #include <headway/core/recorded_frame.h>
 #include <headway/core/text.h>
 #include <headway/core/worker_thread.h>
@@ -57,8 +58,9 @@ class MotionBridge {
     }
     const auto* imu = dynamic_cast<const mrpt::obs::CObservationIMU*>(&observation);
     if (imu == nullptr || !imu->has(mrpt::obs::IMU_WX)) return false;
-    keep(rates_, {time, Eigen::Vector3d(imu->get(mrpt::obs::IMU_WX), imu->get(mrpt::obs::IMU_WY),
-                                        imu->get(mrpt::obs::IMU_WZ))});
+    const Eigen::Vector3d rate(imu->get(mrpt::obs::IMU_WX), imu->get(mrpt::obs::IMU_WY),
+                               imu->get(mrpt::obs::IMU_WZ));
+    keep(rates_, {time, fromMrpt(imu->sensorPose).linear() * rate});
     return true;
   }
 
@@ -311,6 +313,10 @@ class TopicSink::Implementation {
     }
   };
 
+  [[nodiscard]] std::string robotFrame() const {
+    return hooks_.robot_frame ? hooks_.robot_frame() : "base_link";
+  }
+
   /// Whether a clock was set back, or a recording begins again; not only out of order.
   static bool isSetBack(Time time, Time last) { return time < last - MotionBridge::kMaxBridge_s; }
 
@@ -362,7 +368,7 @@ class TopicSink::Implementation {
     OdometrySample frame;
     frame.time = time;
     frame.frame = odometry_frame_;
-    frame.child = params_.robot_frame;
+    frame.child = robotFrame();
     frame.T_odom_robot = camera.T_odom_robot;
     frame.covariance = camera.covariance;
     std::optional<Pose> others;
@@ -401,7 +407,7 @@ class TopicSink::Implementation {
     }
     if (params_.odom_base) {
       transforms.push_back(
-          {headerOf(sample.time, sample.frame), params_.robot_frame, sample.T_odom_robot});
+          {headerOf(sample.time, sample.frame), sample.child, sample.T_odom_robot});
     }
     if (!transforms.empty() && transforms_.hasSubscribers()) {
       publish(transforms_, transformMessage(transforms));
@@ -417,7 +423,7 @@ class TopicSink::Implementation {
     if (!has_obstacles && !has_costmap) return;
     local_done_ = local_work_.run([=, local = std::move(local)] {
       if (has_obstacles) {
-        publish(obstacles_.publication, cloudMessage(headerOf(time, params_.robot_frame),
+        publish(obstacles_.publication, cloudMessage(headerOf(time, robotFrame()),
                                                      blockedAround(*local, time, T_odom_robot)));
       }
       if (!has_costmap) return;
@@ -521,11 +527,9 @@ class TopicSink::Implementation {
     const MessageHeader header = headerOf(result.update.time, params_.map_frame);
     const auto grid = map.staticGrid();
     const auto dense = map.dense();
-    const bool has_grid = grid != nullptr && grid != last_grid_ && map_.isDue(result.update.time);
-    const bool has_dense =
-        dense != nullptr && dense != last_dense_ && dense_.isDue(result.update.time);
-    if (has_grid) last_grid_ = grid;
-    if (has_dense) last_dense_ = dense;
+    // Unchanged ones, too, for those who came since.
+    const bool has_grid = grid != nullptr && map_.isDue(result.update.time);
+    const bool has_dense = dense != nullptr && dense_.isDue(result.update.time);
     if (!has_grid && !has_dense) return;
     maps_done_ = maps_.run([this, header, grid, dense, has_grid, has_dense] {
       if (has_grid) publish(map_.publication, gridMessage(header, *grid));
@@ -547,8 +551,6 @@ class TopicSink::Implementation {
 
   Topic map_, local_, obstacles_, dense_, detections_, moving_, markers_, diagnostics_;
   std::vector<Topic> predicted_;  ///< at 0.5 s, 1 s, ...
-  std::shared_ptr<const mrpt::maps::COccupancyGridMap2D> last_grid_;
-  std::shared_ptr<const mrpt::maps::CColouredPointsMap> last_dense_;
   /// Messages of a topic.
   struct Sent {
     std::size_t messages = 0;

@@ -87,6 +87,7 @@ class TopicSource::Implementation {
         callbacks_(std::move(callbacks)),
         pairing_(options.pair_tolerance_s) {
     import_.base_frame = params.base_frame;
+    if (!params.base_frame.empty()) robot_frame_ = params.base_frame;
     import_.calibration = options.calibration;
     selection_.tf = {kTransforms, kStaticTransforms};
     surveyor_.emplace(selection_, std::vector<BagTopic>());
@@ -126,6 +127,11 @@ class TopicSource::Implementation {
   std::string missing() const {
     const std::lock_guard lock(mutex_);
     return missing_;
+  }
+
+  std::string robotFrame() const {
+    const std::lock_guard lock(mutex_);
+    return robot_frame_;
   }
 
   std::optional<Pose> odometryAt(Time time) const {
@@ -296,6 +302,7 @@ class TopicSource::Implementation {
     try {
       rig_ = bags::rigOf(surveyor_->survey, import_);
       for (const auto& note : rig_->notes) say(note);
+      setRobotFrame(rig_->base_frame);
       setMissing("");
     } catch (const InputError& error) {
       setMissing(error.what());
@@ -336,9 +343,15 @@ class TopicSource::Implementation {
     return mounting;
   }
 
-  [[nodiscard]] std::string baseFrame() const {
-    if (rig_) return rig_->base_frame;
-    return import_.base_frame.empty() ? options_.robot_frame : import_.base_frame;
+  [[nodiscard]] std::string baseFrame() const { return rig_ ? rig_->base_frame : robot_frame_; }
+
+  /// @param base  on which tf mounts the camera; empty: on none
+  void setRobotFrame(const std::string& base) {
+    if (base.empty() || base == robot_frame_) return;
+    const std::lock_guard lock(mutex_);
+    robot_frame_ = base;
+    mounting_.clear();
+    odometry_.clear();
   }
 
   // Messages ---------------------------------------------------------------------------------
@@ -395,7 +408,7 @@ class TopicSource::Implementation {
     for (const auto& transform : bags::decodeTransforms(message, bags::Encoding::kCdr)) {
       if (transform.header.frame != options_.odom_frame) continue;
       const auto T_child_robot =
-          surveyor_->survey.transforms.between(transform.child_frame, options_.robot_frame);
+          surveyor_->survey.transforms.between(transform.child_frame, robot_frame_);
       if (!T_child_robot) continue;
       const Stamped<Pose> pose{timeOf(transform.header), transform.T_parent_child * *T_child_robot};
       const std::lock_guard lock(mutex_);
@@ -447,7 +460,8 @@ class TopicSource::Implementation {
     deliver(observation);
   }
 
-  void addImu(const std::string& topic, const bags::ImuMessage& imu) {
+  void addImu(const std::string& topic, bags::ImuMessage imu) {
+    if (selection_.imu.size() > 1) bags::leaveOutZeroRate(imu);
     const auto mounting = mountingOf(topic, imu.header.frame);
     if (!mounting) return;
     if (!imu.angular_velocity.allFinite() || !imu.acceleration.allFinite()) {
@@ -541,6 +555,7 @@ class TopicSource::Implementation {
   std::map<std::string, std::size_t> skipped_;
   std::string missing_ = "no topics yet";
   std::deque<Stamped<Pose>> odometry_;  ///< T_odom_robot of others
+  std::string robot_frame_ = "base_link";
 };
 
 TopicSource::TopicSource(Node& node, const Ros2SourceParams& params,
@@ -561,6 +576,8 @@ std::map<std::string, std::size_t> TopicSource::skipped() const {
 }
 
 std::string TopicSource::missing() const { return implementation_->missing(); }
+
+std::string TopicSource::robotFrame() const { return implementation_->robotFrame(); }
 
 std::optional<Pose> TopicSource::odometryAt(Time time) const {
   return implementation_->odometryAt(time);

@@ -23,7 +23,6 @@ struct Ros2SinkParams {
   std::string prefix = "/headway";  ///< of the topics that have no name in ROS
   std::string map_frame = "map";
   std::string odom_frame = "odom";
-  std::string robot_frame = "base_link";
   bool map_odom = true;       ///< /tf map -> odom
   bool odom_base = false;     ///< /tf odom -> base_link, by the images, if the robot has no other
   double odometry_hz = 60.0;  ///< wheels at 30 to 66 Hz are all passed on

@@ -44,6 +44,7 @@ class TopicSink : public run::Sink {
   struct Hooks {
     /// T_odom_robot that others publish, see TopicSource::odometryAt().
     std::function<std::optional<Pose>(Time)> others_odometry;
+    std::function<std::string()> robot_frame;  ///< TopicSource::robotFrame(); empty: base_link
     std::function<std::vector<DiagnosticLine>()> sensors;  ///< health of them
   };
 

@@ -21,7 +21,6 @@ struct TopicSourceOptions {
   std::string calibration;          ///< file of a stereo camera, instead of camera_info; or empty
   double pair_tolerance_s = 0.01;   ///< between the images of a pair; depth at least 0.02 [s]
   std::string odom_frame = "odom";  ///< of the odometry that others publish, see odometryAt()
-  std::string robot_frame = "base_link";
   std::string map_frame = "map";  ///< of /initialpose
 };
 
@@ -68,6 +67,8 @@ class TopicSource {
   [[nodiscard]] std::map<std::string, std::size_t> skipped() const;
   /// What is waited for before there are observations of a camera; empty: nothing.
   [[nodiscard]] std::string missing() const;
+  /// The robot's frame: base_frame, or that on which tf mounts the camera; base_link without tf.
+  [[nodiscard]] std::string robotFrame() const;
   /// T_odom_robot that others publish; nullopt if nobody does at that time.
   [[nodiscard]] std::optional<Pose> odometryAt(Time time) const;
 
