@@ -733,6 +733,24 @@ TEST_F(TopicSourceTest, TheInitialPoseIsPassedOn) {
   EXPECT_NEAR(yawOf(*initial_pose_), M_PI / 2, 1e-9);
 }
 
+/// The node goes on without it; what comes then is of nobody.
+TEST_F(TopicSourceTest, ASourceThatEndsIsNotCalledAnyMore) {
+  const auto writer = peer_.writer<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf");
+  tf2_msgs::msg::dds_::TFMessage_ message;
+  for (int i = 0; i < 2; ++i) {
+    start();
+    EXPECT_TRUE(waitUntil([&] {
+      (void)writer->write(&message);
+      const auto topics = source_->status();
+      return std::any_of(topics.begin(), topics.end(),
+                         [](const auto& topic) { return topic.messages > 0; });
+    }));
+    source_.reset();
+    EXPECT_TRUE(writer->write(&message));
+    EXPECT_THAT(listOfTopics(*node_, {}), HasSubstr("/tf  tf2_msgs/TFMessage"));
+  }
+}
+
 TEST_F(TopicSourceTest, TheListSaysWhatTopicsAreUsedFor) {
   test::Robot robot(peer_, rawlog(3));
   const std::string list = listOfTopics(*node_, {});

@@ -93,7 +93,10 @@ class TopicSource::Implementation {
     surveyor_.emplace(selection_, std::vector<BagTopic>());
   }
 
-  ~Implementation() { stop(); }
+  ~Implementation() {
+    stop();  // waits for a callback
+    for (const auto& entry : subscriptions_) node_.unsubscribe(entry.first);
+  }
 
   void start() {
     if (thread_.joinable()) return;

@@ -53,7 +53,7 @@ class TopicSource {
   /// @param node  which nobody else uses between start() and stop(), apart from its publications
   TopicSource(Node& node, const Ros2SourceParams& params, const TopicSourceOptions& options,
               Callbacks callbacks);
-  ~TopicSource();  ///< stops
+  ~TopicSource();  ///< stops and unsubscribes
   TopicSource(const TopicSource&) = delete;
   TopicSource& operator=(const TopicSource&) = delete;
 
