@@ -279,6 +279,75 @@ TEST_F(NodeTest, ReadsWhatAnotherImplementationSends) {
   EXPECT_EQ(decoded.data.back(), 7);
 }
 
+/// The other topic and the caller have their turn.
+TEST_F(NodeTest, APublisherThatIsFasterThanItsMessagesAreUsedKeepsNobodyWaiting) {
+  using std::chrono::milliseconds;
+  const auto fast = peer_.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/a_imu");
+  const auto slow = peer_.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu");
+  std::size_t of_fast = 0, of_slow = 0;
+  node_->subscribe("/a_imu", "sensor_msgs/Imu", {true, false, 100}, [&](std::string_view) {
+    ++of_fast;
+    std::this_thread::sleep_for(milliseconds(3));
+  });
+  node_->subscribe("/imu", "sensor_msgs/Imu", {}, [&](std::string_view) { ++of_slow; });
+  ASSERT_TRUE(waitUntil([&] { return fast->matched() > 0 && slow->matched() > 0; }));
+  std::atomic<bool> stops{false};
+  std::thread publisher([&] {
+    sensor_msgs::msg::dds_::Imu_ message;
+    for (int i = 0; i < 5000 && !stops; ++i) {  // some seconds
+      fast->write(&message);
+      if (i % 10 == 0) slow->write(&message);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  EXPECT_TRUE(waitUntil([&] {
+    const std::size_t before = of_fast;
+    node_->spin(0.01);
+    EXPECT_LE(of_fast - before, 100U);
+    return of_fast > 150 && of_slow > 0;
+  }));
+  stops = true;
+  publisher.join();
+}
+
+TEST_F(NodeTest, ACallbackMayUnsubscribeWhichIsAnnounced) {
+  const auto writer = peer_.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu");
+  std::mutex mutex;
+  std::size_t subscriptions = 0;
+  const auto reader = peer_.reader<rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_PubSubType>(
+      "ros_discovery_info", {true, true, 1}, [&](const auto& info) {
+        const std::lock_guard lock(mutex);
+        for (const auto& node : info.node_entities_info_seq()) {
+          subscriptions = node.reader_gid_seq().size();
+        }
+      });
+  const auto isAnnounced = [&](std::size_t number) {
+    return waitUntil([&] {
+      const std::lock_guard lock(mutex);
+      return subscriptions == number;
+    });
+  };
+  std::size_t received = 0;
+  const auto receive = [&, own = std::string(100, 'x')](std::string_view) {
+    node_->unsubscribe("/imu");
+    node_->unsubscribe("/scan");
+    received += own.size();  // which lives as long as the callback runs
+  };
+  node_->subscribe("/imu", "sensor_msgs/Imu", {}, receive);
+  node_->subscribe("/scan", "sensor_msgs/LaserScan", {}, receive);
+  EXPECT_TRUE(isAnnounced(2));
+  sensor_msgs::msg::dds_::Imu_ message;
+  ASSERT_TRUE(waitUntil([&] {
+    writer->write(&message);
+    writer->write(&message);
+    node_->spin(0.01);
+    return received > 0;
+  }));
+  node_->spin(0.1);
+  EXPECT_EQ(received, 100U);
+  EXPECT_TRUE(isAnnounced(0));
+}
+
 /// By a setting of the user, too; what follows it is read.
 TEST_F(NodeTest, AMessageOfMoreThan128MBIsNotPutTogether) {
   node_.reset();

@@ -326,17 +326,13 @@ class Node::Implementation {
 
   void subscribe(const std::string& topic, const std::string& type, const Qos& qos,
                  Receive receive) {
-    unsubscribe(topic);
-    subscriptions_[topic] = {addReader("rt" + topic, type, qos), std::move(receive)};
+    remove(topic);
+    subscriptions_[topic] = {addReader("rt" + topic, type, qos), qos.depth, std::move(receive)};
     announce();
   }
 
   void unsubscribe(const std::string& topic) {
-    const auto found = subscriptions_.find(topic);
-    if (found == subscriptions_.end()) return;
-    (void)dds_waitset_detach(waitset_, found->second.reader);
-    (void)dds_delete(found->second.reader);
-    subscriptions_.erase(found);
+    if (remove(topic)) announce();
   }
 
   [[nodiscard]] std::size_t mismatches(const std::string& topic) const {
@@ -356,16 +352,22 @@ class Node::Implementation {
   }
 
   void spin(double timeout_s) {
-    const auto timeout = static_cast<dds_duration_t>(1e9 * timeout_s);
-    (void)dds_waitset_wait(waitset_, nullptr, 0, timeout);
+    const double wait_s = std::exchange(has_more_, false) ? 0.0 : timeout_s;
+    (void)dds_waitset_wait(waitset_, nullptr, 0, static_cast<dds_duration_t>(1e9 * wait_s));
     takeEndpoints();
-    takeAll(discovery_, [this](std::string_view message) { adoptGids(message); });
-    for (const auto& entry : subscriptions_) takeAll(entry.second.reader, entry.second.receive);
+    take({discovery_, 100, [this](std::string_view message) { adoptGids(message); }});
+    std::vector<std::string> topics;
+    for (const auto& entry : subscriptions_) topics.push_back(entry.first);
+    for (const auto& topic : topics) {
+      const auto found = subscriptions_.find(topic);  // unless a callback has ended it
+      if (found != subscriptions_.end()) take(Subscription(found->second));
+    }
   }
 
  private:
   struct Subscription {
     dds_entity_t reader = 0;
+    int depth = 0;  ///< messages that the reader keeps
     Receive receive;
   };
   struct Topic {
@@ -383,6 +385,16 @@ class Node::Implementation {
     discovery_ = addReader(kDiscovery, kAnnouncement, {true, true, 100});
     announcement_ = addWriter(kDiscovery, kAnnouncement, {true, true, 1});
     announce();
+  }
+
+  /// Ends a subscription. @return whether there was one
+  bool remove(const std::string& topic) {
+    const auto found = subscriptions_.find(topic);
+    if (found == subscriptions_.end()) return false;
+    (void)dds_waitset_detach(waitset_, found->second.reader);
+    (void)dds_delete(found->second.reader);
+    subscriptions_.erase(found);
+    return true;
   }
 
   void attach(dds_entity_t reader) {
@@ -439,18 +451,18 @@ class Node::Implementation {
     }
   }
 
-  static void takeAll(dds_entity_t reader, const Receive& receive) {
-    std::array<ddsi_serdata*, 16> samples{};
-    std::array<dds_sample_info_t, 16> infos{};
-    for (int count = 16; count == 16;) {
-      count = dds_takecdr(reader, samples.data(), 16, infos.data(), DDS_ANY_STATE);
-      std::vector<std::unique_ptr<ddsi_serdata, MessageDeleter>> owned;
-      for (int i = 0; i < count; ++i) owned.emplace_back(samples[i]);
-      for (int i = 0; i < count; ++i) {
-        const auto& message = *static_cast<const SerialisedMessage*>(samples[i]);
-        if (infos[i].valid_data) receive({message.bytes.data(), message.size});
-      }
+  /// Passes on as many messages as the reader keeps: a publisher that is faster than they are used
+  /// must not keep others waiting. One by one, because a callback may end the subscription.
+  void take(const Subscription& subscription) {
+    for (int i = 0; i < subscription.depth; ++i) {
+      ddsi_serdata* sample = nullptr;
+      dds_sample_info_t info{};
+      if (dds_takecdr(subscription.reader, &sample, 1, &info, DDS_ANY_STATE) < 1) return;
+      const std::unique_ptr<ddsi_serdata, MessageDeleter> owned(sample);
+      const auto& message = *static_cast<const SerialisedMessage*>(sample);
+      if (info.valid_data) subscription.receive({message.bytes.data(), message.size});
     }
+    has_more_ = true;
   }
 
   /// Announces nodes with the identifiers of those who were there before: their size is not the
@@ -500,6 +512,7 @@ class Node::Implementation {
   std::map<std::pair<std::string, std::string>, Topic> topics_;  ///< by name and type
   std::map<std::string, Endpoint> endpoints_;                    ///< publishers, by key
   std::map<std::string, Subscription> subscriptions_;            ///< by topic
+  bool has_more_ = false;  ///< are there messages for which no wait would end?
   std::vector<dds_entity_t> writers_;
 };
 

@@ -63,9 +63,9 @@ class Publication {
 ///
 /// Messages are bytes: they are copied when they arrive, and not decoded. Those of more than 128 MB
 /// are never put together: a line on the standard error names them.
-/// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected, CYCLONEDDS_URI
-/// without a restriction to an interface, which it could widen. One thread at a time may use a node, apart from its
-/// publications, which any threads may use.
+/// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected,
+/// CYCLONEDDS_URI without a restriction to an interface, which it could widen. One thread at a time
+/// may use a node, apart from its publications, which any threads may use.
 ///
 ///     Node node({});
 ///     node.subscribe("/scan", "sensor_msgs/LaserScan", {}, [](std::string_view cdr) { ... });
@@ -88,7 +88,7 @@ class Node {
   /// The topics that others publish now.
   [[nodiscard]] std::vector<PublishedTopic> published();
 
-  /// Calls back with each message of a topic.
+  /// Calls back with each message of a topic. The callback may subscribe and unsubscribe.
   ///
   /// @param type  "sensor_msgs/LaserScan"
   void subscribe(const std::string& topic, const std::string& type, const Qos& qos,
@@ -99,7 +99,8 @@ class Node {
   [[nodiscard]] Publication advertise(const std::string& topic, const std::string& type,
                                       const Qos& qos);
 
-  /// Waits for messages and passes on those that have come.
+  /// Waits for messages and passes on those that have come, of each topic at most as many as are
+  /// kept.
   void spin(double timeout_s);
 
  private:
