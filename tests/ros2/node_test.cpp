@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Messages to and from another implementation of DDS: names, types, quality of service, fields.
 #include <gmock/gmock.h>
+#include <headway/core/error.h>
 #include <headway/ros2/node.h>
 #include <headway_test/waiting.h>
 #include <headway_test/walking_track.h>
@@ -403,6 +404,19 @@ TEST_F(NodeTest, ItIsOneOfManyOnARobot) {
     return node_->published().size() == 2;
   }));
   EXPECT_NO_THROW(Node(NodeOptions{"headway", 232, "lo"}));  // whose ports are fewer
+}
+
+TEST_F(NodeTest, TheNodesOfAProgramShareADomain) {
+  std::optional<Node> second(std::in_place, NodeOptions{"second", domain_, "lo"});
+  EXPECT_THROW(Node(NodeOptions{"third", domain_, "127.0.0.1"}), InputError);
+  node_.reset();  // the other one goes on
+  const auto scan = peer_.writer<sensor_msgs::msg::dds_::LaserScan_PubSubType>("rt/scan");
+  EXPECT_TRUE(waitUntil([&] {
+    second->spin(0.01);
+    return second->published().size() == 1;
+  }));
+  second.reset();
+  EXPECT_NO_THROW(Node(NodeOptions{"third", domain_, "127.0.0.1"}));  // which nobody else has now
 }
 
 TEST_F(NodeTest, ASubscriberThatDoesNotReadBlocksNobody) {

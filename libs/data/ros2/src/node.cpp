@@ -168,6 +168,59 @@ void limitLog() {
   dds_set_log_sink(print, nullptr);
 }
 
+/// A domain that the nodes of the program share: the last one ends it.
+class Domain {
+ public:
+  Domain(int number, const std::string& interface) : number_(number) {
+    const std::lock_guard lock(all().mutex);
+    Shared& shared = all().by_number[number];
+    if (shared.nodes > 0 && shared.interface != interface) {
+      const auto named = [](const std::string& name) { return name.empty() ? "its own" : name; };
+      throw InputError("ROS 2 domain " + std::to_string(number) + ": another node of this program" +
+                       " has joined it on interface " + named(shared.interface) + ", not on " +
+                       named(interface));
+    }
+    if (shared.nodes == 0) {
+      shared.interface = interface;
+      (void)selectedInterface().take();
+      shared.entity = dds_create_domain(static_cast<dds_domainid_t>(number),
+                                        configurationOf(interface, number).c_str());
+      shared.selected = selectedInterface().take();
+    }
+    ++shared.nodes;
+    selected = shared.selected;
+    // What else in the program has joined it has its settings.
+    const bool is_joined = shared.entity > 0 || shared.entity == DDS_RETCODE_PRECONDITION_NOT_MET;
+    fault = is_joined ? DDS_RETCODE_OK : shared.entity;
+  }
+  ~Domain() {
+    const std::lock_guard lock(all().mutex);
+    Shared& shared = all().by_number.at(number_);
+    if (--shared.nodes == 0 && shared.entity > 0) (void)dds_delete(shared.entity);
+  }
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  std::string selected;    ///< interface; empty: not by Cyclone DDS
+  dds_return_t fault = 0;  ///< why it cannot be joined
+
+ private:
+  struct Shared {
+    dds_entity_t entity = 0;
+    std::string interface, selected;
+    int nodes = 0;
+  };
+  struct All {
+    std::mutex mutex;
+    std::map<int, Shared> by_number;  // guarded by mutex
+  };
+  static All& all() {
+    static All all;
+    return all;
+  }
+  const int number_;
+};
+
 /// What to do about receive buffers that the system limits; empty: nothing.
 std::string hintOfBuffers() {
   const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -274,23 +327,19 @@ class Node::Implementation {
  public:
   explicit Implementation(const NodeOptions& options) : name_(options.name) {
     const int number = domainOf(options);
-    const auto domain = static_cast<dds_domainid_t>(number);
     const std::string interface = interfaceOf(options);
     limitLog();
-    // A program's second node in a domain shares the settings of the first one.
-    domain_ = dds_create_domain(domain, configurationOf(interface, number).c_str());
-    const std::string selected = selectedInterface().take();
-    const bool is_shared = domain_ == DDS_RETCODE_PRECONDITION_NOT_MET;
-    if (domain_ > 0 || is_shared) participant_ = dds_create_participant(domain, nullptr, nullptr);
-    if (participant_ <= 0) {
-      if (domain_ > 0) (void)dds_delete(domain_);
-      fail("domain " + std::to_string(domain) + " cannot be joined" +
-               (interface.empty() ? "" : " on interface " + interface),
-           participant_ < 0 ? participant_ : domain_);
+    domain_.emplace(number, interface);
+    participant_ = domain_->fault;
+    if (participant_ == DDS_RETCODE_OK) {
+      participant_ = dds_create_participant(static_cast<dds_domainid_t>(number), nullptr, nullptr);
     }
+    checked(participant_, "domain " + std::to_string(number) + " cannot be joined" +
+                              (interface.empty() ? "" : " on interface " + interface));
     (void)dds_get_guid(participant_, &guid_);
     const bool has_settings = !environment("CYCLONEDDS_URI").empty();
-    network_ = "ROS 2 domain " + std::to_string(domain) + " on " +
+    const std::string& selected = domain_->selected;
+    network_ = "ROS 2 domain " + std::to_string(number) + " on " +
                (!interface.empty()   ? interface
                 : !selected.empty() ? selected + ", which Cyclone DDS selects"
                 : has_settings      ? "the interfaces of CYCLONEDDS_URI"
@@ -301,7 +350,7 @@ class Node::Implementation {
     start();
   }
 
-  ~Implementation() { (void)dds_delete(domain_ > 0 ? domain_ : participant_); }
+  ~Implementation() { (void)dds_delete(participant_); }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
@@ -499,7 +548,7 @@ class Node::Implementation {
   }
 
   const std::string name_;
-  dds_entity_t domain_ = 0;  ///< negative: another node's
+  std::optional<Domain> domain_;
   dds_entity_t participant_ = 0;
   dds_guid_t guid_{};
   std::string network_;

@@ -65,7 +65,8 @@ class Publication {
 /// are never put together: a line on the standard error names them.
 /// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected,
 /// CYCLONEDDS_URI without a restriction to an interface, which it could widen. One thread at a time
-/// may use a node, apart from its publications, which any threads may use.
+/// may use a node, apart from its publications, which any threads may use. The nodes of a program
+/// share a domain's settings.
 ///
 ///     Node node({});
 ///     node.subscribe("/scan", "sensor_msgs/LaserScan", {}, [](std::string_view cdr) { ... });
@@ -74,7 +75,8 @@ class Node {
  public:
   using Receive = std::function<void(std::string_view message)>;
 
-  /// @throws InputError if the domain cannot be joined, or there is no such interface
+  /// @throws InputError if the domain cannot be joined, there is no such interface, or another node
+  ///         of the program has joined the domain on another one
   explicit Node(const NodeOptions& options);
   ~Node();
   Node(const Node&) = delete;
