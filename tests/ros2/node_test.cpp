@@ -525,6 +525,26 @@ TEST(NodeOptionsTest, TheRangeOfDiscoveryIsRespected) {
   unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
 }
 
+TEST(NodeOptionsTest, AnInterfaceDoesNotWidenARestrictionToThisComputer) {
+  const int domain = test::domainOfThisTest();
+  const auto refusal = [&]() -> std::string {
+    EXPECT_NO_THROW(Node(NodeOptions{"headway", domain, "lo"}));
+    EXPECT_NO_THROW(Node(NodeOptions{"headway", domain, "127.0.0.1"}));
+    try {
+      const Node node({"headway", domain, "eth0"});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  EXPECT_EQ(refusal(), "--ros2-interface eth0: ROS_LOCALHOST_ONLY=1 allows this computer alone");
+  unsetenv("ROS_LOCALHOST_ONLY");
+  setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF", 1);
+  EXPECT_THAT(refusal(), ::testing::HasSubstr("ROS_AUTOMATIC_DISCOVERY_RANGE=OFF allows"));
+  unsetenv("ROS_AUTOMATIC_DISCOVERY_RANGE");
+}
+
 /// By the system's own list: one of them that is up. Nothing is sent there.
 TEST(NodeOptionsTest, TheNetworkNamesTheInterfaceThatIsSelected) {
   unsetenv("ROS_LOCALHOST_ONLY");
@@ -547,6 +567,7 @@ TEST(NodeOptionsTest, TheNetworkNamesTheInterfaceThatIsSelected) {
 }
 
 TEST(NodeOptionsTest, WrongDomainsAndInterfacesAreInputErrors) {
+  unsetenv("ROS_LOCALHOST_ONLY");
   setenv("ROS_DOMAIN_ID", "233", 1);
   EXPECT_ANY_THROW(Node(NodeOptions{}));
   setenv("ROS_DOMAIN_ID", "x", 1);

@@ -74,13 +74,24 @@ int domainOf(const NodeOptions& options) {
   return domain;
 }
 
+bool isLoopback(const std::string& interface) {
+  return interface == "lo" || interface == "127.0.0.1";
+}
+
 /// The interface of the options or of ROS 2's variables; empty: Cyclone DDS selects it.
 std::string interfaceOf(const NodeOptions& options) {
-  if (!options.interface.empty()) return options.interface;
   // From Iron on, where a value that it does not know means this computer alone, too.
   const std::string range = environment("ROS_AUTOMATIC_DISCOVERY_RANGE");
   const bool is_wide = range.empty() || range == "SUBNET" || range == "SYSTEM_DEFAULT";
-  return environment("ROS_LOCALHOST_ONLY") == "1" || !is_wide ? "lo" : "";
+  const bool is_local = environment("ROS_LOCALHOST_ONLY") == "1";
+  if (options.interface.empty()) return is_local || !is_wide ? "lo" : "";
+  if ((is_local || !is_wide) && !isLoopback(options.interface)) {
+    throw InputError(
+        "--ros2-interface " + options.interface + ": " +
+        (is_local ? "ROS_LOCALHOST_ONLY=1" : "ROS_AUTOMATIC_DISCOVERY_RANGE=" + range) +
+        " allows this computer alone");
+  }
+  return options.interface;
 }
 
 /// Whether these settings of Cyclone DDS say nothing of interfaces and messages.
@@ -93,7 +104,7 @@ bool leavesInterface(const std::string& settings) {
 /// Settings of Cyclone DDS: bounds and buffers, then the interface or those of CYCLONEDDS_URI,
 /// whose interfaces would be added to that one.
 std::string configurationOf(const std::string& interface, int domain) {
-  const bool is_local = interface == "lo" || interface == "127.0.0.1";
+  const bool is_local = isLoopback(interface);
   const bool is_address = interface.find_first_not_of("0123456789.:") == std::string::npos;
   std::string general, discovery;
   if (!interface.empty()) {
