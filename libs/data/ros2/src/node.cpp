@@ -112,12 +112,12 @@ std::string configurationOf(const std::string& interface, int domain) {
       throw InputError("--ros2-interface " + interface + ": no such interface");
     }
     general = std::string("<General><Interfaces><NetworkInterface ") +
-              (is_address ? "address" : "name") + "=\"" + interface + "\"/></Interfaces>" +
-              (is_local ? "<AllowMulticast>false</AllowMulticast>" : "") + "</General>";
+              (is_address ? "address" : "name") + "=\"" + interface + "\"/></Interfaces></General>";
   }
   if (is_local) {
-    // Without multicast, others are asked for at the ports of so many participants, as many as the
-    // domain has: a robot with Nav2 has more than the ten of Cyclone DDS.
+    // By multicast if the loopback has it, as others of ROS 2; without it they are asked for at the
+    // ports of so many participants, as many as the domain has: a robot with Nav2 has more than the
+    // ten of Cyclone DDS.
     const int last = std::min(100, (65535 - 7411 - 250 * domain) / 2);
     discovery =
         "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
@@ -171,6 +171,8 @@ void limitLog() {
   static std::atomic<int> left{10};
   const auto print = [](void*, const dds_log_data_t* data) {
     if ((data->priority & DDS_LC_INFO) != 0) return selectedInterface().read(data->message);
+    if (std::strstr(data->message, "\"lo\" is not multicast-capable") != nullptr)
+      return;  // as usual
     const int before = left.fetch_sub(1);
     if (before <= 0) left = 0;
     if (before > 0) std::fprintf(stderr, "Cyclone DDS: %s", data->message);
