@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Messages to and from another implementation of DDS: names, types, quality of service, fields.
+#include <dds/ddsrt/log.h>
 #include <gmock/gmock.h>
 #include <headway/core/error.h>
 #include <headway/ros2/node.h>
@@ -383,6 +384,20 @@ TEST_F(NodeTest, AMessageOfMoreThan128MBIsNotPutTogether) {
   }));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), ::testing::HasSubstr("oversize"));
   EXPECT_THAT(sizes, ::testing::Each(::testing::Le(200U)));
+}
+
+TEST_F(NodeTest, EachKindOfWarningIsNamedOnceAndCounted) {
+  const auto warn = [](const char* text, int number) {
+    dds_log(DDS_LC_WARNING, __FILE__, __LINE__, "", text, number);
+  };
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 150; ++i) warn("broken packet %d\n", i);
+  warn("large sample of %d\n", 7);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "Cyclone DDS: broken packet 0\n"
+            "Cyclone DDS: so far 10 times: broken packet \n"
+            "Cyclone DDS: so far 100 times: broken packet \n"
+            "Cyclone DDS: large sample of 7\n");
 }
 
 TEST_F(NodeTest, AReliableSubscriptionDoesNotMatchALooserPublication) {

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
@@ -166,17 +165,34 @@ SelectedInterface& selectedInterface() {
   return interface;
 }
 
-/// Passes on the first warnings of Cyclone DDS alone: it has one for each malformed packet.
+/// Warnings of Cyclone DDS by kind, which is the beginning of their text: it has one for each
+/// malformed packet.
+struct DdsWarnings {
+  std::mutex mutex;
+  std::map<std::string, std::size_t> counts;  // guarded by mutex
+
+  /// Prints the first of each kind, then how many there are: at 10, 100, 1000, ...
+  void add(const std::string& text) {
+    const std::lock_guard lock(mutex);
+    const std::string kind =
+        text.substr(0, std::min(text.find_first_of("0123456789<"), text.find('\n')));
+    std::size_t& count = counts[counts.size() < 100 || counts.count(kind) > 0 ? kind : "others"];
+    std::size_t rest = ++count;
+    while (rest % 10 == 0) rest /= 10;
+    if (count == 1) std::fprintf(stderr, "Cyclone DDS: %s", text.c_str());
+    if (count > 1 && rest == 1) {
+      std::fprintf(stderr, "Cyclone DDS: so far %zu times: %s\n", count, kind.c_str());
+    }
+  }
+};
+
 void limitLog() {
-  static std::atomic<int> left{10};
+  static DdsWarnings warnings;
   const auto print = [](void*, const dds_log_data_t* data) {
     if ((data->priority & DDS_LC_INFO) != 0) return selectedInterface().read(data->message);
     if (std::strstr(data->message, "\"lo\" is not multicast-capable") != nullptr)
       return;  // as usual
-    const int before = left.fetch_sub(1);
-    if (before <= 0) left = 0;
-    if (before > 0) std::fprintf(stderr, "Cyclone DDS: %s", data->message);
-    if (before == 1) std::fputs("Cyclone DDS: further messages are not printed\n", stderr);
+    warnings.add(data->message);
   };
   dds_set_log_sink(print, nullptr);
 }
