@@ -679,6 +679,32 @@ TEST_F(TopicSourceTest, OfASensorInTwoTopicsZerosOfTheOtherHalfAreNoMeasurement)
   EXPECT_TRUE(isReceived(*accel, [](const auto& s) { return s.has(IMU_Z_ACC) && !s.has(IMU_WZ); }));
 }
 
+/// Even if another program publishes transforms that are not kept, before.
+TEST_F(TopicSourceTest, TransformsThatWereSentBeforeAreReadBesideLooserPublishers) {
+  using Transforms = tf2_msgs::msg::dds_::TFMessage_PubSubType;
+  const auto loose = peer_.writer<Transforms>("rt/tf_static", {true, false, 1});
+  Ros2SourceParams params;
+  params.base_frame = "base_link";
+  start(params);
+  EXPECT_TRUE(waitUntil([&] { return isSaid("/tf_static is not published as reliably"); }));
+  tf2_msgs::msg::dds_::TFMessage_ message;
+  EXPECT_TRUE(waitUntil([&] {
+    (void)loose->write(&message);
+    const auto topics = source_->status();
+    return std::any_of(topics.begin(), topics.end(), [](const auto& topic) {
+      return topic.topic == "/tf_static" && topic.messages > 0;
+    });
+  }));
+  FastDdsPeer later(domain_);
+  StereoWriters camera(later);
+  camera.setFocal(50.0);
+  camera.mount();  // before the node knows of it
+  EXPECT_TRUE(waitUntil([&] {
+    camera.write(0.1);
+    return count("CObservationStereoImages") > 0;
+  })) << source_->missing();
+}
+
 TEST_F(TopicSourceTest, ReasonsThatMessagesInventAreBounded) {
   test::Robot robot(peer_, rawlog(3));
   start();

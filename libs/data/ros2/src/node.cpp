@@ -405,7 +405,14 @@ class Node::Implementation {
   void subscribe(const std::string& topic, const std::string& type, const Qos& qos,
                  Receive receive) {
     remove(topic);
-    subscriptions_[topic] = {addReader("rt" + topic, type, qos), qos.depth, std::move(receive)};
+    subscriptions_[topic] = {
+        {addReader("rt" + topic, type, qos)}, type, qos.depth, std::move(receive)};
+    announce();
+  }
+
+  void widen(const std::string& topic, const Qos& qos) {
+    Subscription& subscription = subscriptions_.at(topic);
+    subscription.readers.push_back(addReader("rt" + topic, subscription.type, qos));
     announce();
   }
 
@@ -417,7 +424,7 @@ class Node::Implementation {
     const auto found = subscriptions_.find(topic);
     dds_requested_incompatible_qos_status_t status{};
     if (found == subscriptions_.end()) return 0;
-    (void)dds_get_requested_incompatible_qos_status(found->second.reader, &status);
+    (void)dds_get_requested_incompatible_qos_status(found->second.readers.back(), &status);
     return status.total_count;
   }
 
@@ -433,7 +440,7 @@ class Node::Implementation {
     const double wait_s = std::exchange(has_more_, false) ? 0.0 : timeout_s;
     (void)dds_waitset_wait(waitset_, nullptr, 0, static_cast<dds_duration_t>(1e9 * wait_s));
     takeEndpoints();
-    take({discovery_, 100, [this](std::string_view message) { adoptGids(message); }});
+    take({{discovery_}, "", 100, [this](std::string_view message) { adoptGids(message); }});
     std::vector<std::string> topics;
     for (const auto& entry : subscriptions_) topics.push_back(entry.first);
     for (const auto& topic : topics) {
@@ -444,8 +451,9 @@ class Node::Implementation {
 
  private:
   struct Subscription {
-    dds_entity_t reader = 0;
-    int depth = 0;  ///< messages that the reader keeps
+    std::vector<dds_entity_t> readers;
+    std::string type;
+    int depth = 0;  ///< messages that a reader keeps
     Receive receive;
   };
   struct Topic {
@@ -469,8 +477,10 @@ class Node::Implementation {
   bool remove(const std::string& topic) {
     const auto found = subscriptions_.find(topic);
     if (found == subscriptions_.end()) return false;
-    (void)dds_waitset_detach(waitset_, found->second.reader);
-    (void)dds_delete(found->second.reader);
+    for (const dds_entity_t reader : found->second.readers) {
+      (void)dds_waitset_detach(waitset_, reader);
+      (void)dds_delete(reader);
+    }
     subscriptions_.erase(found);
     return true;
   }
@@ -532,15 +542,18 @@ class Node::Implementation {
   /// Passes on as many messages as the reader keeps: a publisher that is faster than they are used
   /// must not keep others waiting. One by one, because a callback may end the subscription.
   void take(const Subscription& subscription) {
-    for (int i = 0; i < subscription.depth; ++i) {
-      ddsi_serdata* sample = nullptr;
-      dds_sample_info_t info{};
-      if (dds_takecdr(subscription.reader, &sample, 1, &info, DDS_ANY_STATE) < 1) return;
-      const std::unique_ptr<ddsi_serdata, MessageDeleter> owned(sample);
-      const auto& message = *static_cast<const SerialisedMessage*>(sample);
-      if (info.valid_data) subscription.receive({message.bytes.data(), message.size});
+    for (const dds_entity_t reader : subscription.readers) {
+      int left = subscription.depth;
+      for (; left > 0; --left) {
+        ddsi_serdata* sample = nullptr;
+        dds_sample_info_t info{};
+        if (dds_takecdr(reader, &sample, 1, &info, DDS_ANY_STATE) < 1) break;
+        const std::unique_ptr<ddsi_serdata, MessageDeleter> owned(sample);
+        const auto& message = *static_cast<const SerialisedMessage*>(sample);
+        if (info.valid_data) subscription.receive({message.bytes.data(), message.size});
+      }
+      has_more_ = has_more_ || left == 0;
     }
-    has_more_ = true;
   }
 
   /// Announces nodes with the identifiers of those who were there before: their size is not the
@@ -567,8 +580,12 @@ class Node::Implementation {
     out.length(1);
     out.text("/");
     out.text(name_);
-    out.length(subscriptions_.size());
-    for (const auto& entry : subscriptions_) add(entry.second.reader);
+    std::vector<dds_entity_t> readers;
+    for (const auto& entry : subscriptions_) {
+      readers.insert(readers.end(), entry.second.readers.begin(), entry.second.readers.end());
+    }
+    out.length(readers.size());
+    for (const dds_entity_t reader : readers) add(reader);
     out.length(writers_.size());
     for (const dds_entity_t writer : writers_) add(writer);
     (void)dds_writecdr(announcement_.first,
@@ -607,6 +624,8 @@ void Node::subscribe(const std::string& topic, const std::string& type, const Qo
                      Receive receive) {
   implementation_->subscribe(topic, type, qos, std::move(receive));
 }
+
+void Node::widen(const std::string& topic, const Qos& qos) { implementation_->widen(topic, qos); }
 
 void Node::unsubscribe(const std::string& topic) { implementation_->unsubscribe(topic); }
 

@@ -289,7 +289,9 @@ class TopicSource::Implementation {
     Qos less = qos;
     less.is_reliable = qos.is_reliable && published.is_reliable;
     less.is_transient_local = qos.is_transient_local && published.is_transient_local;
-    subscribe(BagTopic(topic), less);
+    if (topic.name != kStaticTransforms) return subscribe(BagTopic(topic), less);
+    qos = less;
+    node_.widen(topic.name, less);  // later publishers may have sent theirs before, too
   }
 
   // Calibration and mounting -----------------------------------------------------------------

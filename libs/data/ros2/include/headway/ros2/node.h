@@ -96,8 +96,11 @@ class Node {
   /// @param type  "sensor_msgs/LaserScan"
   void subscribe(const std::string& topic, const std::string& type, const Qos& qos,
                  Receive receive);
+  /// Reads a topic that is subscribed to with another quality of service, too, for publishers that
+  /// the first one does not match. Messages that match both come twice.
+  void widen(const std::string& topic, const Qos& qos);
   void unsubscribe(const std::string& topic);
-  /// Publishers that do not match the quality of service of a subscription, so far.
+  /// Publishers that do not match the newest quality of service of a subscription, so far.
   [[nodiscard]] std::size_t mismatches(const std::string& topic) const;
   [[nodiscard]] Publication advertise(const std::string& topic, const std::string& type,
                                       const Qos& qos);
