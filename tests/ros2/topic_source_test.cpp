@@ -537,6 +537,14 @@ TEST_F(TopicSourceTest, OddValuesTypesAndTimesAreNamed) {
   sample.angular_velocity().x(std::numeric_limits<double>::quiet_NaN());
   EXPECT_TRUE(isCounted("imu_not_finite", [&] { imu->write(&sample); }));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  sample.angular_velocity().x(7.0);  // of a gyroscope alone
+  sample.linear_acceleration().x(kNan);
+  sample.linear_acceleration_covariance()[0] = -1.0;
+  EXPECT_TRUE(waitUntil([&] {
+    (void)imu->write(&sample);
+    const auto newest = last<mrpt::obs::CObservationIMU>();
+    return newest && newest->get(mrpt::obs::IMU_WX) == 7.0 && !newest->has(mrpt::obs::IMU_X_ACC);
+  }));
   nav_msgs::msg::dds_::Odometry_ pose;
   pose.pose().pose().orientation().w(kNan);
   EXPECT_TRUE(isCounted("unreadable_nav_msgs/Odometry", [&] { odometry->write(&pose); }));
