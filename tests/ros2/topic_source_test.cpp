@@ -787,7 +787,13 @@ TEST_F(TopicSourceTest, ASourceThatEndsIsNotCalledAnyMore) {
 
 TEST_F(TopicSourceTest, TheListSaysWhatTopicsAreUsedFor) {
   test::Robot robot(peer_, rawlog(3));
+  const auto other = peer_.writer<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/headway/odometry");
+  Ros2SourceParams params;
+  params.odometry = "/headway/odometry";
+  EXPECT_THAT(listOfTopics(*node_, params), HasSubstr("1 publisher, reliable  <- odometry"));
   const std::string list = listOfTopics(*node_, {});
+  EXPECT_THAT(list, HasSubstr("/headway/odometry  nav_msgs/Odometry  1 publisher, reliable\n"));
+  EXPECT_THAT(list, HasSubstr("/odom  nav_msgs/Odometry  1 publisher, reliable  <- odometry"));
   EXPECT_THAT(list, HasSubstr("/left/image  sensor_msgs/Image  1 publisher, reliable  <- left"));
   EXPECT_THAT(list, HasSubstr("/imu  sensor_msgs/Imu  1 publisher, reliable  <- inertial samples"));
   EXPECT_THAT(list, HasSubstr("/scan  sensor_msgs/LaserScan"));
