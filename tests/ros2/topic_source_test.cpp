@@ -606,7 +606,8 @@ TEST_F(TopicSourceTest, TransformsAndCalibrationMayComeLateOrWrongAtFirst) {
       return source_->missing().find(part) != std::string::npos;
     });
   };
-  EXPECT_TRUE(isMissing("tf does not connect it with 'left'")) << source_->missing();
+  EXPECT_TRUE(isMissing("[ros2] base_frame = base_link: tf does not connect it with 'left'"))
+      << source_->missing();
   camera.mount();
   EXPECT_TRUE(isMissing("the camera was not calibrated (K is zero)")) << source_->missing();
   camera.info.k()[0] = std::numeric_limits<double>::quiet_NaN();
@@ -640,6 +641,7 @@ TEST_F(TopicSourceTest, TransformsThatComeTooLateAreNamed) {
     return count("CObservationStereoImages") > 0;
   })) << source_->missing();
   EXPECT_TRUE(isSaid("the mounting of the camera is unknown"));
+  EXPECT_TRUE(isSaid("([ros2] base_frame = FRAME)"));
   EXPECT_FALSE(isSaid("tf mounts the camera"));
   camera.mount();
   EXPECT_TRUE(waitUntil([&] { return isSaid("tf mounts the camera on base_link only now"); }));

@@ -76,6 +76,14 @@ std::vector<BagTopic> neededOf(const BagSelection& selection, const std::vector<
   return needed;
 }
 
+/// Texts of the import of bags name its option.
+std::string withKeysOfRos2(std::string text) {
+  const std::string option = "--base ";
+  const auto at = text.find(option);
+  if (at != std::string::npos) text.replace(at, option.size(), "[ros2] base_frame = ");
+  return text;
+}
+
 bool isImage(const BagTopic& topic) { return topic.type.find("Image") != std::string::npos; }
 
 }  // namespace
@@ -309,11 +317,11 @@ class TopicSource::Implementation {
     if (!surveyor_->isComplete() && waits) return;
     try {
       rig_ = bags::rigOf(surveyor_->survey, import_);
-      for (const auto& note : rig_->notes) say(note);
+      for (const auto& note : rig_->notes) say(withKeysOfRos2(note));
       setRobotFrame(rig_->base_frame);
       setMissing("");
     } catch (const InputError& error) {
-      setMissing(error.what());
+      setMissing(withKeysOfRos2(error.what()));
       surveyor_->renewInfos();  // drivers may send some before they are calibrated
     }
   }
