@@ -630,6 +630,12 @@ TEST_F(TopicSourceTest, TransformsAndCalibrationMayComeLateOrWrongAtFirst) {
   EXPECT_NEAR(pair->rightCameraPose.x(), 0.1, 1e-9);
   EXPECT_NEAR(pair->cameraPose.x(), 0.25, 1e-9);
   EXPECT_FALSE(isSaid("only now"));
+  EXPECT_FALSE(isSaid("not what it was"));
+  camera.setFocal(60.0);  // of a driver that was restarted
+  EXPECT_TRUE(waitUntil([&] {
+    camera.write(0.1);
+    return isSaid("/left/camera_info is not what it was at the start, which is still used");
+  }));
 }
 
 TEST_F(TopicSourceTest, TransformsThatComeTooLateAreNamed) {

@@ -20,6 +20,7 @@
 #include <set>
 #include <sstream>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -317,6 +318,7 @@ class TopicSource::Implementation {
     if (!surveyor_->isComplete() && waits) return;
     try {
       rig_ = bags::rigOf(surveyor_->survey, import_);
+      infos_ = surveyor_->survey.camera_infos;
       for (const auto& note : rig_->notes) say(withKeysOfRos2(note));
       setRobotFrame(rig_->base_frame);
       setMissing("");
@@ -324,6 +326,17 @@ class TopicSource::Implementation {
       setMissing(withKeysOfRos2(error.what()));
       surveyor_->renewInfos();  // drivers may send some before they are calibrated
     }
+  }
+
+  /// Says once that a driver was restarted with other settings, which are not taken up.
+  void compareInfo(const std::string& topic, const io::CameraInfo& now) {
+    const auto used = infos_.find(topic);
+    if (!rig_ || used == infos_.end()) return;
+    const auto numbers = [](const io::CameraInfo& info) {
+      return std::tie(info.width, info.height, info.D, info.K, info.R, info.P);
+    };
+    if (numbers(used->second) == numbers(now)) return;
+    say(topic + " is not what it was at the start, which is still used: start headway-live again");
   }
 
   /// Says once that tf came when images were used already, whose camera does not move any more.
@@ -390,7 +403,7 @@ class TopicSource::Implementation {
   void convert(const BagTopic& topic, std::string_view message) {
     const auto& name = topic.name;
     if (topic.type == kInfoType) {
-      (void)bags::decodeCameraInfo(message, topic.encoding);  // counts a broken one
+      compareInfo(name, bags::decodeCameraInfo(message, topic.encoding).info);
     } else if (topic.type == kTransformType) {
       addTransforms(message);
     } else if (name == kInitialPose) {
@@ -558,8 +571,9 @@ class TopicSource::Implementation {
   bags::BagImportOptions import_;
   std::optional<double> camera_since_s_;
   std::optional<double> first_image_s_;
-  std::optional<bags::Surveyor> surveyor_;  ///< of tf alone until topics are selected
-  std::optional<bags::BagRig> rig_;         ///< once the camera is calibrated
+  std::optional<bags::Surveyor> surveyor_;       ///< of tf alone until topics are selected
+  std::optional<bags::BagRig> rig_;              ///< once the camera is calibrated
+  std::map<std::string, io::CameraInfo> infos_;  ///< by which it is, by topic
   bool is_late_mounting_named_ = false;
   std::map<std::string, Pose> mounting_;  ///< by topic
   bags::ImagePairing pairing_;
