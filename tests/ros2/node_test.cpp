@@ -386,6 +386,34 @@ TEST_F(NodeTest, AMessageOfMoreThan128MBIsNotPutTogether) {
   EXPECT_THAT(sizes, ::testing::Each(::testing::Le(200U)));
 }
 
+/// A hundred of them are kept.
+TEST_F(NodeTest, OnlyImagesAndCloudsMayBeLarge) {
+  for (const std::string type : {"Imu", "Image"}) {
+    std::vector<std::size_t> sizes;
+    node_->subscribe("/" + type, "sensor_msgs/" + type, {},
+                     [&](std::string_view message) { sizes.push_back(message.size()); });
+    const auto writer = peer_.bytesWriter("rt/" + type, "sensor_msgs::msg::dds_::" + type + "_");
+    const auto write = [&](std::size_t size) {
+      std::string message("\0\1\0\0", 4);
+      message.resize(size);
+      return writer->write(&message);
+    };
+    ASSERT_TRUE(waitUntil([&] {
+      node_->spin(0.01);
+      return write(1'000'000) && !sizes.empty();
+    }));
+    testing::internal::CaptureStderr();
+    EXPECT_TRUE(write(2'000'000) && write(200));
+    EXPECT_TRUE(waitUntil([&] {
+      node_->spin(0.01);
+      return sizes.back() == 200;
+    }));
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(std::count(sizes.begin(), sizes.end(), 2'000'000), type == "Imu" ? 0 : 1) << text;
+    EXPECT_EQ(text.find("/Imu") != std::string::npos, type == "Imu") << text;
+  }
+}
+
 TEST_F(NodeTest, EachKindOfWarningIsNamedOnceAndCounted) {
   const auto warn = [](const char* text, int number) {
     dds_log(DDS_LC_WARNING, __FILE__, __LINE__, "", text, number);

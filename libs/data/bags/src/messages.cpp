@@ -246,7 +246,8 @@ PoseMessage decodePose(std::string_view content, Encoding encoding) {
 }
 
 std::vector<TransformMessage> decodeTransforms(std::string_view content, Encoding encoding) {
-  constexpr std::size_t kMinBytes = 7 * sizeof(double);
+  // Time, lengths of two names, pose: not much less than what is allocated for each.
+  constexpr std::size_t kMinBytes = 4 * sizeof(std::uint32_t) + 7 * sizeof(double);
   WireReader in(content, encoding);
   std::vector<TransformMessage> transforms(in.length(kMinBytes));
   for (TransformMessage& transform : transforms) {

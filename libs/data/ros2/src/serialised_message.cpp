@@ -9,6 +9,8 @@
 #include <memory>
 #include <utility>
 
+#include "bag_file.h"
+
 namespace headway::ros2 {
 namespace {
 
@@ -29,8 +31,16 @@ std::string joined(const nn_rdata* part, std::size_t size) {
   return bytes;
 }
 
+/// A subscription keeps ten images or clouds, but a hundred of other messages, which must not have
+/// more than the largest one of those together.
+bool isTooLarge(const ddsi_sertype* type, std::size_t size) {
+  const auto is = [&](const char* part) { return std::strstr(type->type_name, part) != nullptr; };
+  return size > bags::kMaxRecordBytes / 100 && !is("Image") && !is("PointCloud");
+}
+
 ddsi_serdata* fromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* first,
                             std::size_t size) {
+  if (isTooLarge(type, size)) return nullptr;  // which Cyclone DDS names
   return new SerialisedMessage(type, kind, joined(first, size));
 }
 

@@ -62,12 +62,12 @@ class Publication {
 /// types, the quality of service, and the announcement (`ros2 node list`) that ROS 2 has.
 ///
 /// Messages are bytes: they are copied when they arrive, and not decoded. Those of more than 128 MB
-/// are never put together. Each kind of what Cyclone DDS drops is named on the standard error once,
-/// then counted.
-/// ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected,
-/// CYCLONEDDS_URI without a restriction to an interface, which it could widen. One thread at a time
-/// may use a node, apart from its publications, which any threads may use. The nodes of a program
-/// share a domain's settings.
+/// are never put together, those of 1.3 MB, unless of images or clouds, not kept. Each kind of what
+/// Cyclone DDS drops is named on the standard error once, then counted. ROS_DOMAIN_ID,
+/// ROS_LOCALHOST_ONLY and ROS_AUTOMATIC_DISCOVERY_RANGE are respected, CYCLONEDDS_URI without a
+/// restriction to an interface, which it could widen. One thread at a time may use a node, apart
+/// from its publications, which any threads may use. The nodes of a program share a domain's
+/// settings.
 ///
 ///     Node node({});
 ///     node.subscribe("/scan", "sensor_msgs/LaserScan", {}, [](std::string_view cdr) { ... });
