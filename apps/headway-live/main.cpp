@@ -246,13 +246,6 @@ bool waitForCamera(io::LiveSource& source, double pair_tolerance_s,
   return false;
 }
 
-void finish(const std::string& path, drivers::ObservationRecorder& recorder) {
-  recorder.close();
-  if (recorder.dropped() == 0) return;
-  warn(path + ": lacks " + std::to_string(recorder.dropped()) +
-       " observations, because the disk was slower than the sensors");
-}
-
 std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
   if (!options.show_port && !options.health_port) return nullptr;
   auto page = std::make_unique<live::LivePage>(
@@ -449,7 +442,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     if (fs::weakly_canonical(options.record).parent_path() == folder) {
       fs::create_directories(folder);
     }
-    recorder.emplace(options.record);
+    recorder.emplace(options.record, warn);
   }
   io::LiveSource source(sourceOptions(options, params));
   std::optional<live::Ros2Connection> ros2;
@@ -493,7 +486,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   pipeline.run();
   if (ros2) ros2->stop();
   if (sensors) sensors->stop();
-  if (recorder) finish(options.record, *recorder);
+  if (recorder) recorder->close();
   if (!quiet) replay::printSummary(pipeline.summary());
 }
 

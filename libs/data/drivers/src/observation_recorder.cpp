@@ -3,29 +3,26 @@
 #include <headway/core/error.h>
 #include <headway/core/output_file.h>
 #include <headway/drivers/observation_recorder.h>
-#include <mrpt/io/CFileGZOutputStream.h>
+#include <headway/io/rawlog_sink.h>
 #include <mrpt/serialization/CArchive.h>
 
-#include <cerrno>
 #include <condition_variable>
-#include <cstring>
 #include <deque>
 #include <exception>
 #include <filesystem>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace headway::drivers {
 
 class ObservationRecorder::Implementation {
  public:
-  Implementation(const std::string& path, std::size_t max_waiting)
-      : path_(path), max_waiting_(max_waiting) {
+  Implementation(const std::string& path, MessageCallback message, std::size_t max_waiting)
+      : path_(path), message_(std::move(message)), max_waiting_(max_waiting) {
     if (std::filesystem::is_regular_file(path)) replacement_.emplace(path);
-    if (!file_.open(replacement_ ? replacement_->temporaryPath().string() : path, kCompression)) {
-      throw InputError(path + ": cannot be written: " + std::strerror(errno));
-    }
+    file_.emplace(replacement_ ? replacement_->temporaryPath().string() : path, path);
     thread_ = std::thread([this] { writeAll(); });
   }
 
@@ -45,13 +42,20 @@ class ObservationRecorder::Implementation {
   }
 
   void close() {
+    if (std::exchange(is_closed_, true)) return;
     end();
-    file_.close();
-    if (has_failed_) throw InputError(path_ + ": write error; check the disk space");
-    if (replacement_) {
-      replacement_->commit();
-    } else {
+    file_->finish();
+    if (!replacement_) {
       synchroniseFile(path_);
+    } else if (is_begun_) {
+      replacement_->commit();
+    }
+    if (dropped_ > 0) {
+      message_(path_ + ": lacks " + std::to_string(dropped_) +
+               " observations, because the disk was slower than the sensors");
+    }
+    if (has_failed_ || file_->hasFailed()) {
+      throw InputError(path_ + ": not written completely; check the disk space");
     }
   }
 
@@ -81,20 +85,27 @@ class ObservationRecorder::Implementation {
 
   void writeAll() {
     try {
-      auto archive = mrpt::serialization::archiveFrom(file_);
-      while (const auto observation = next()) archive << *observation;
+      auto archive = mrpt::serialization::archiveFrom(*file_);
+      while (const auto observation = next()) {
+        archive << *observation;
+        is_begun_ = true;
+      }
     } catch (const std::exception&) {
-      const std::lock_guard lock(mutex_);
-      has_failed_ = true;
+      {
+        const std::lock_guard lock(mutex_);
+        has_failed_ = true;
+        waiting_.clear();
+      }
+      message_(path_ + ": write error; check the disk space: nothing more is recorded");
     }
   }
 
-  static constexpr int kCompression =
-      1;  ///< of zlib; higher ones cost more than a frame's interval
-
   std::string path_;
-  std::optional<OutputFile> replacement_;  ///< of an older file
-  mrpt::io::CFileGZOutputStream file_;     ///< used by the thread, and after its end
+  MessageCallback message_;
+  std::optional<OutputFile> replacement_;     ///< of an older file
+  std::optional<io::CompressedOutput> file_;  ///< used by the thread, and after its end
+  bool is_begun_ = false;                     ///< likewise: an observation was written
+  bool is_closed_ = false;
   std::size_t max_waiting_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -105,8 +116,9 @@ class ObservationRecorder::Implementation {
   std::thread thread_;
 };
 
-ObservationRecorder::ObservationRecorder(const std::string& path, std::size_t max_waiting)
-    : implementation_(std::make_unique<Implementation>(path, max_waiting)) {}
+ObservationRecorder::ObservationRecorder(const std::string& path, MessageCallback message,
+                                         std::size_t max_waiting)
+    : implementation_(std::make_unique<Implementation>(path, std::move(message), max_waiting)) {}
 
 ObservationRecorder::~ObservationRecorder() = default;
 

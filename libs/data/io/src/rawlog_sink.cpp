@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writing rawlogs.
-#include <headway/core/compression.h>
 #include <headway/core/error.h>
 #include <headway/core/mrpt_pose.h>
 #include <headway/core/output_file.h>
@@ -12,7 +11,6 @@
 #include <headway/io/rawlog_source.h>
 #include <mrpt/core/exceptions.h>
 #include <mrpt/img/CImage.h>
-#include <mrpt/io/CStream.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationGPS.h>
@@ -35,53 +33,45 @@
 #include "text_rows.h"
 
 namespace headway::io {
-namespace {
 
 namespace fs = std::filesystem;
 
+CompressedOutput::CompressedOutput(const std::string& path, std::string name)
+    : name_(std::move(name)),
+      file_(path, std::ios::binary),
+      content_(file_, fs::path(name_).extension() == ".zst" ? Compression::kZstandard
+                                                            : Compression::kGzip) {
+  if (!file_) {
+    throw InputError(name_ + ": cannot be written; check that its folder exists and is writable");
+  }
+}
+
+size_t CompressedOutput::Write(const void* buffer, size_t count) {
+  content_.write({static_cast<const char*>(buffer), count});
+  return hasFailed() ? 0 : count;
+}
+
+void CompressedOutput::finish() {
+  content_.finish();
+  file_.close();
+}
+
+void CompressedOutput::close() {
+  finish();
+  if (hasFailed()) throw InputError(name_ + ": not written completely; check the disk space");
+}
+
+size_t CompressedOutput::Read(void* /*buffer*/, size_t /*count*/) {
+  THROW_EXCEPTION("cannot be read");
+}
+
+uint64_t CompressedOutput::Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) {
+  THROW_EXCEPTION("has no random access");
+}
+
+namespace {
+
 constexpr double kMetresPerSecondPerKnot = 1852.0 / 3600.0;
-
-/// Compressed output that reports all write errors, including those of the final flush, which
-/// MRPT's CFileGZOutputStream ignores.
-class CompressedOutput : public mrpt::io::CStream {
- public:
-  /// @param name  of the file in messages; it decides on the compression
-  /// @throws InputError if the file cannot be written
-  CompressedOutput(const std::string& path, std::string name)
-      : name_(std::move(name)),
-        file_(path, std::ios::binary),
-        content_(file_, fs::path(name_).extension() == ".zst" ? Compression::kZstandard
-                                                              : Compression::kGzip) {
-    if (!file_) {
-      throw InputError(name_ + ": cannot be written; check that its folder exists and is writable");
-    }
-  }
-
-  /// Returns fewer bytes than given only on a write error; hasFailed() is then true.
-  size_t Write(const void* buffer, size_t count) override {
-    content_.write({static_cast<const char*>(buffer), count});
-    return hasFailed() ? 0 : count;
-  }
-  [[nodiscard]] bool hasFailed() const { return file_.fail(); }
-  /// @throws InputError if the data could not be written
-  void close() {
-    content_.finish();
-    file_.close();
-    if (hasFailed()) throw InputError(name_ + ": not written completely; check the disk space");
-  }
-
-  size_t Read(void* /*buffer*/, size_t /*count*/) override { THROW_EXCEPTION("cannot be read"); }
-  uint64_t Seek(int64_t /*offset*/, TSeekOrigin /*origin*/) override {
-    THROW_EXCEPTION("has no random access");
-  }
-  uint64_t getTotalBytesCount() const override { return getPosition(); }
-  uint64_t getPosition() const override { return content_.plainSize(); }
-
- private:
-  std::string name_;
-  std::ofstream file_;
-  Compressor content_;
-};
 
 /// Enables JPEG compression of embedded colour images during its lifetime; MRPT's setting is
 /// global.

@@ -5,6 +5,7 @@
 #include <mrpt/obs/CObservation.h>
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -14,11 +15,17 @@ namespace headway::drivers {
 ///
 /// If the disk is slower than the sensors, observations above `max_waiting` are dropped and
 /// counted; the rawlog then lacks them. A new file grows under its name, so that a killed program
-/// leaves what it wrote; an older file of that name remains until the new one is complete.
+/// leaves what it wrote; an older file of that name remains until close(), and if nothing was
+/// recorded.
 class ObservationRecorder {
  public:
+  /// Receives the first write error at once, called by the recorder's thread, and what the rawlog
+  /// lacks, called by close().
+  using MessageCallback = std::function<void(const std::string&)>;
+
   /// @throws InputError if the file cannot be written
-  explicit ObservationRecorder(const std::string& path, std::size_t max_waiting = 200);
+  ObservationRecorder(const std::string& path, MessageCallback message,
+                      std::size_t max_waiting = 200);
   ~ObservationRecorder();
   ObservationRecorder(const ObservationRecorder&) = delete;
   ObservationRecorder& operator=(const ObservationRecorder&) = delete;
@@ -26,7 +33,9 @@ class ObservationRecorder {
   /// Adds an observation, which must not be changed afterwards. Callable by any thread.
   void write(const mrpt::obs::CObservation::Ptr& observation);
 
-  /// Writes what is waiting and closes the file. @throws InputError on a write error
+  /// Writes what is waiting and closes the file; further calls do nothing, and write() neither.
+  ///
+  /// @throws InputError on a write error; what was written before remains
   void close();
 
   [[nodiscard]] std::size_t dropped() const;

@@ -2,9 +2,12 @@
 // Writing rawlogs.
 #pragma once
 
+#include <headway/core/compression.h>
 #include <headway/core/detection.h>
 #include <headway/io/raw_camera.h>
+#include <mrpt/io/CStream.h>
 
+#include <fstream>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -56,6 +59,33 @@ struct RecordedGnss {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< east, north, up [m/s]
   int satellites = 0;
   double sigma_m = 0.0;  ///< of each horizontal axis; 0: unknown
+};
+
+/// Compressed output that reports all write errors, including those of the final flush, which
+/// MRPT's CFileGZOutputStream ignores.
+class CompressedOutput : public mrpt::io::CStream {
+ public:
+  /// @param name  of the file in messages; it decides on the compression
+  /// @throws InputError if the file cannot be written
+  CompressedOutput(const std::string& path, std::string name);
+
+  /// Returns fewer bytes than given only on a write error; hasFailed() is then true.
+  size_t Write(const void* buffer, size_t count) override;
+  [[nodiscard]] bool hasFailed() const { return file_.fail(); }
+  /// Ends the data and the file; hasFailed() then tells whether all was written.
+  void finish();
+  /// The same. @throws InputError if the data could not be written
+  void close();
+
+  size_t Read(void* buffer, size_t count) override;            ///< @throws std::exception always
+  uint64_t Seek(int64_t offset, TSeekOrigin origin) override;  ///< @throws std::exception always
+  uint64_t getTotalBytesCount() const override { return getPosition(); }
+  uint64_t getPosition() const override { return content_.plainSize(); }
+
+ private:
+  std::string name_;
+  std::ofstream file_;
+  Compressor content_;
 };
 
 /// Writes an observation-only rawlog, gz-compressed, in the order of the calls.
