@@ -246,6 +246,27 @@ bool waitForCamera(io::LiveSource& source, double pair_tolerance_s,
   return false;
 }
 
+/// Of --record; null: none.
+std::unique_ptr<drivers::ObservationRecorder> makeRecorder(const LiveOptions& options) {
+  if (options.record.empty()) return nullptr;
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::weakly_canonical(options.run.output);
+  if (fs::weakly_canonical(options.record).parent_path() == folder) fs::create_directories(folder);
+  return std::make_unique<drivers::ObservationRecorder>(options.record, warn);
+}
+
+/// Closes a recording, null: none, at the end of a scope, also when an exception ends it, which
+/// remains the one that is reported.
+std::shared_ptr<void> closeAtEnd(drivers::ObservationRecorder* recorder) {
+  return {nullptr, [recorder](void*) {
+            try {
+              if (recorder != nullptr) recorder->close();
+            } catch (const std::exception& error) {
+              warn(error.what());
+            }
+          }};
+}
+
 std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
   if (!options.show_port && !options.health_port) return nullptr;
   auto page = std::make_unique<live::LivePage>(
@@ -435,15 +456,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   loadPlugins(options.plugins);
   std::optional<io::RawStereoCamera> calibration;
   if (!options.calibration.empty()) calibration = io::readRawCalibration(options.calibration);
-  std::optional<drivers::ObservationRecorder> recorder;
-  if (!options.record.empty()) {
-    namespace fs = std::filesystem;
-    const fs::path folder = fs::weakly_canonical(options.run.output);
-    if (fs::weakly_canonical(options.record).parent_path() == folder) {
-      fs::create_directories(folder);
-    }
-    recorder.emplace(options.record, warn);
-  }
+  const auto recorder = makeRecorder(options);
   io::LiveSource source(sourceOptions(options, params));
   std::optional<live::Ros2Connection> ros2;
   const auto add = [&](const CObservation::Ptr& observation) {
@@ -458,6 +471,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   const auto page = makePage(options);
   std::unique_ptr<drivers::SensorGroup> sensors;
   if (!options.sensors.empty()) sensors = makeSensors(options.sensors, deliver);
+  const auto recording_end = closeAtEnd(recorder.get());  // first: a driver may block
   const SensorStates states = [&] { return statesOf(sensors.get(), ros2 ? &*ros2 : nullptr); };
   if (options.ros2.isUsed()) {
     ros2.emplace(options.ros2, sensors != nullptr, options.calibration, options.pair_tolerance_s,
@@ -469,7 +483,10 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
   StatusLine status(quiet, source, page.get(), options.pair_tolerance_s, topics);
   if (sensors) sensors->start();
-  if (!waitForCamera(source, options.pair_tolerance_s, topics)) return;
+  if (!waitForCamera(source, options.pair_tolerance_s, topics)) {
+    if (recorder) recorder->close();
+    return;
+  }
   replay::Replay pipeline(options.run, std::make_unique<LiveFrames>(source, topics), params,
                           all_params);
   const auto before_pipeline = stopAtEnd(ros2);  // which it uses
@@ -485,8 +502,8 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   if (page) pipeline.add(shown.emplace(*page, pipeline, states));
   pipeline.run();
   if (ros2) ros2->stop();
-  if (sensors) sensors->stop();
   if (recorder) recorder->close();
+  if (sensors) sensors->stop();
   if (!quiet) replay::printSummary(pipeline.summary());
 }
 
@@ -521,8 +538,9 @@ int main(int argc, char** argv) {
     check(options);
     if (!options.run.detector.empty()) params.detection.detector = options.run.detector;
     program::catchInterrupts();
+    // A signal is the regular end: the exit status is 0, or 1 after an error.
+    const std::shared_ptr<void> withdrawal(nullptr, [](void*) { requestStop(0); });
     runLive(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);
-    requestStop(0);  // a signal is the regular end, so that the exit status is 0
     return program::kDone;
   });
 }

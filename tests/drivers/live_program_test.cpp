@@ -72,6 +72,12 @@ class LiveProgramTest : public ::testing::Test {
     return [count](const std::string& output) { return trackedFrames(output) >= count; };
   }
 
+  /// Whether a recording contains observations and was ended.
+  static bool isComplete(const std::string& rawlog) {
+    return std::filesystem::file_size(rawlog) > 10000 &&
+           test::runProcess("gzip -t <" + rawlog).status == 0;
+  }
+
   test::TemporaryFolder folder_;
 };
 
@@ -171,11 +177,12 @@ class LiveRobotTest : public LiveProgramTest {
 
   test::ProcessResult live(const std::string& ini, const std::string& arguments,
                            const Condition& is_enough) {
-    return LiveProgramTest::live(
-        "--sensors " + sensors(ini) + " --load-plugins " + HEADWAY_BIN_DIR +
-            "/libheadway_robot_sensors.so --calibration " + calibration() + " " + arguments,
-        is_enough);
+    return LiveProgramTest::live("--sensors " + sensors(ini) + " --load-plugins " + plugin_ +
+                                     " --calibration " + calibration() + " " + arguments,
+                                 is_enough);
   }
+
+  const std::string plugin_ = std::string(HEADWAY_BIN_DIR) + "/libheadway_robot_sensors.so";
 
   nlohmann::json summary(const std::string& folder) {
     return nlohmann::json::parse(test::contentsOf(folder_ / (folder + "/summary.json")));
@@ -232,6 +239,32 @@ TEST_F(LiveRobotTest, AllSensorsAreUsedRecordedAndStartedAgain) {
   EXPECT_EQ(resumed.status, 0) << resumed.output;
   EXPECT_GE(summary("resumed").at("frames_tracked").get<int>(), test::repeats(5, 1))
       << resumed.output;
+}
+
+TEST_F(LiveRobotTest, ARecordingIsEndedHoweverTheRunEnds) {
+  const std::string left = section("LEFT", "kind = left\n");
+  const std::string recorded = folder_ / "live.rawlog";
+  const std::string options = "-w -o " + (folder_ / "out").string() + " --record ";
+  const auto says = [](const std::string& text) {
+    return [text](const std::string& output) { return output.find(text) != std::string::npos; };
+  };
+  std::ofstream(recorded) << "older";
+  const auto early = live(left, options + recorded, says("waiting for images; "));
+  EXPECT_EQ(0, early.status) << early.output;
+  EXPECT_TRUE(isComplete(recorded)) << "interrupted before the first pair";
+
+  std::ofstream(recorded) << "older";
+  const auto fault = LiveProgramTest::live(
+      "--sensor-label LEFT,RIGHT --load-plugins " + plugin_ + " --sensors " +
+          sensors(left + section("RIGHT", "kind = right\n")) + " " + options + recorded,
+      frames(1));
+  EXPECT_EQ(1, fault.status);
+  EXPECT_THAT(fault.output, HasSubstr("stereo calibration: the images have none"));
+  EXPECT_TRUE(isComplete(recorded)) << "ended by an error";
+
+  const auto full = live(left, options + "/dev/full", says("/dev/full: write error"));
+  EXPECT_EQ(1, full.status) << full.output;
+  EXPECT_THAT(full.output, HasSubstr("/dev/full: not written completely; check the disk space"));
 }
 
 TEST_F(LiveRobotTest, APluginThatCannotBeLoadedIsNamed) {
