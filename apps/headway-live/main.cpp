@@ -25,6 +25,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -451,8 +452,10 @@ std::shared_ptr<void> stopAtEnd(std::optional<live::Ros2Connection>& ros2) {
 }
 
 /// Runs sensors and pipeline until they are interrupted.
+///
+/// @param has_blocked  becomes true if a driver's thread goes on after its end
 void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionParams& params,
-             const Params& all_params) {
+             const Params& all_params, bool& has_blocked) {
   loadPlugins(options.plugins);
   std::optional<io::RawStereoCamera> calibration;
   if (!options.calibration.empty()) calibration = io::readRawCalibration(options.calibration);
@@ -471,6 +474,9 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   const auto page = makePage(options);
   std::unique_ptr<drivers::SensorGroup> sensors;
   if (!options.sensors.empty()) sensors = makeSensors(options.sensors, deliver);
+  const std::shared_ptr<void> sensors_end(nullptr, [&](void*) {
+    if (sensors) has_blocked = !sensors->stop();
+  });
   const auto recording_end = closeAtEnd(recorder.get());  // first: a driver may block
   const SensorStates states = [&] { return statesOf(sensors.get(), ros2 ? &*ros2 : nullptr); };
   if (options.ros2.isUsed()) {
@@ -503,7 +509,6 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   pipeline.run();
   if (ros2) ros2->stop();
   if (recorder) recorder->close();
-  if (sensors) sensors->stop();
   if (!quiet) replay::printSummary(pipeline.summary());
 }
 
@@ -514,7 +519,8 @@ int main(int argc, char** argv) {
   // A heap for each thread keeps what that thread has freed: after hours more than is in use.
   mallopt(M_ARENA_MAX, 2);
 #endif
-  return program::run("headway-live", [&] {
+  bool has_blocked = false;
+  const int status = program::run("headway-live", [&] {
     LiveOptions options;
     pipeline::PerceptionParams params;
     Params all_params;
@@ -540,7 +546,11 @@ int main(int argc, char** argv) {
     program::catchInterrupts();
     // A signal is the regular end: the exit status is 0, or 1 after an error.
     const std::shared_ptr<void> withdrawal(nullptr, [](void*) { requestStop(0); });
-    runLive(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params);
+    runLive(options, line.quiet(), pipeline::PerceptionParams::live(params), all_params,
+            has_blocked);
     return program::kDone;
   });
+  if (!has_blocked) return status;
+  std::fflush(nullptr);
+  std::_Exit(status);  // exit() would destroy what the driver uses
 }

@@ -267,6 +267,19 @@ TEST_F(LiveRobotTest, ARecordingIsEndedHoweverTheRunEnds) {
   EXPECT_THAT(full.output, HasSubstr("/dev/full: not written completely; check the disk space"));
 }
 
+TEST_F(LiveRobotTest, ADriverThatDoesNotReturnDoesNotDelayTheEnd) {
+  const std::string recorded = folder_ / "live.rawlog";
+  const auto run =
+      live(section("LEFT", "kind = left\n") + section("RIGHT", "kind = right\n") +
+               section("IMU", "kind = imu\nstarted_with = " + (folder_ / "never").string() + "\n"),
+           "--sensor-label LEFT,RIGHT --record " + recorded + " -o " + (folder_ / "out").string(),
+           frames(4));
+  EXPECT_EQ(0, run.status) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("sensor [IMU]: its driver does not return; it is left"));
+  EXPECT_GE(summary("out").at("frames_tracked").get<int>(), 4) << run.output;
+  EXPECT_TRUE(isComplete(recorded));
+}
+
 TEST_F(LiveRobotTest, APluginThatCannotBeLoadedIsNamed) {
   const auto run = LiveProgramTest::live(
       "--sensors x --load-plugins /no/such.so -o " + (folder_ / "out").string(), frames(1));

@@ -14,16 +14,26 @@
 #include <mrpt/obs/CObservationStereoImages.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <chrono>
+#include <filesystem>
 #include <map>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 namespace headway::test {
 
+/// Blocks until a file exists, or its folder does not, as without a path.
+inline void waitForFile(const std::filesystem::path& path) {
+  while (!exists(path) && exists(path.parent_path())) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
 /// Section of an .ini file: `kind` = odometry, imu, laser, left or right; `trajectory` = true path
 /// (TUM); `rawlog_file` = stereo recording that left and right images, without calibration, are
 /// taken of; `late_s` is added to the times; after `unplug_after` observations the driver throws
-/// once.
+/// once; it blocks in initialize() until file `started_with` exists.
 ///
 /// Recorded times pass at the speed of the computer's clock from the process's start.
 class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
@@ -31,6 +41,7 @@ class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
 
  public:
   void initialize() override {
+    waitForFile(started_with_);
     if (kind_ != "left" && kind_ != "right") return;
     mrpt::io::CFileGZInputStream file(rawlog_);
     auto archive = mrpt::serialization::archiveFrom(file);
@@ -61,6 +72,7 @@ class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
  protected:
   void loadConfig_sensorSpecific(const mrpt::config::CConfigFileBase& configuration,
                                  const std::string& section) override {
+    started_with_ = configuration.read_string(section, "started_with", "");
     kind_ = configuration.read_string(section, "kind", "", true);
     path_ = io::readTum(configuration.read_string(section, "trajectory", "", true));
     late_s_ = configuration.read_double(section, "late_s", 0.0);
@@ -127,6 +139,7 @@ class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
   static constexpr double kKept_s = 0.2;       ///< observations that a driver's buffer holds
   static constexpr std::size_t kImages = 150;  ///< of the recording
 
+  std::string started_with_;
   std::string kind_;
   std::string rawlog_;
   std::vector<Stamped<Pose>> path_;

@@ -15,9 +15,11 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationStereoImages.h>
 
+#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
+#include <thread>
 
 #include "../io/foreign_recording.h"
 #include "../io/synthetic_recording.h"
@@ -25,12 +27,18 @@
 namespace headway::drivers {
 
 /// Delivers an observation at each call: `kind` = imu, laser or odometry. After `fail_after` of
-/// them it throws, after `silent_after` it delivers nothing.
+/// them it throws, after `silent_after` it delivers nothing. All block while `blocks` is set.
 class TestSensor : public mrpt::hwdrivers::CGenericSensor {
   DEFINE_GENERIC_SENSOR(TestSensor)
 
  public:
+  static inline std::atomic<bool> blocks{false};
+  static inline std::atomic<int> blocked{0};  ///< drivers
+
   void doProcess() override {
+    ++blocked;
+    while (blocks) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    --blocked;
     if (count_ == fail_after_) throw std::runtime_error("the plug was pulled");
     if (count_++ >= silent_after_) return;
     mrpt::obs::CObservation::Ptr observation;
@@ -64,6 +72,7 @@ IMPLEMENTS_GENERIC_SENSOR(TestSensor, headway::drivers)
 namespace headway::drivers {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -142,6 +151,20 @@ TEST_F(SensorGroupTest, StartsASensorAgainThatFallsSilent) {
   EXPECT_GE(sensors->status().front().restarts, 2u);
   ASSERT_FALSE(messages_.empty());
   EXPECT_THAT(messages_.front(), HasSubstr("no observation"));
+}
+
+TEST_F(SensorGroupTest, ADriverThatDoesNotReturnIsNamedAndNotWaitedFor) {
+  auto sensors = group("[A]\ndriver = TestSensor\nkind = imu\n", {0.01, 5.0, 0.1});
+  TestSensor::blocks = true;
+  sensors->start();
+  EXPECT_TRUE(test::waitUntil([] { return TestSensor::blocked == 1; }));
+  EXPECT_FALSE(sensors->stop());
+  EXPECT_FALSE(sensors->stop()) << "nor later";
+  EXPECT_THAT(messages_, ElementsAre("sensor [A]: its driver does not return; it is left"));
+  sensors.reset();
+  TestSensor::blocks = false;
+  EXPECT_TRUE(test::waitUntil([] { return TestSensor::blocked == 0; }));
+  EXPECT_THAT(received_, SizeIs(0));
 }
 
 TEST_F(SensorGroupTest, MistakesOfTheConfigurationNameTheSection) {

@@ -13,9 +13,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace headway::drivers {
 namespace {
@@ -39,7 +41,7 @@ std::string reasonOf(const std::exception& error) {
 
 }  // namespace
 
-class SensorGroup::Implementation {
+class SensorGroup::Implementation : public std::enable_shared_from_this<Implementation> {
  public:
   Implementation(const mrpt::config::CConfigFileBase& configuration,
                  ObservationCallback observation, MessageCallback message,
@@ -65,24 +67,33 @@ class SensorGroup::Implementation {
     if (status_.empty()) throw InputError("no section has the key 'driver'; see rawlog-grabber");
   }
 
-  ~Implementation() { stop(); }
-
   void start() {
     if (!threads_.empty()) return;
-    stopping_ = false;
     for (std::size_t i = 0; i < status_.size(); ++i) {
-      threads_.emplace_back([this, i] { run(i); });
+      std::packaged_task<void()> task([self = shared_from_this(), i] { self->run(i); });
+      ends_.push_back(task.get_future());
+      threads_.emplace_back(std::move(task));
     }
   }
 
-  void stop() {
+  bool stop() {
     {
-      const std::lock_guard lock(mutex_);
+      const std::scoped_lock lock(callback_mutex_, mutex_);
       stopping_ = true;
     }
     stopped_.notify_all();
-    for (auto& thread : threads_) thread.join();
-    threads_.clear();
+    const auto end = Clock::now() + seconds(options_.max_stop_s);
+    for (std::size_t i = 0; i < threads_.size(); ++i) {
+      if (!threads_[i].joinable()) continue;
+      if (ends_[i].wait_until(end) == std::future_status::ready) {
+        threads_[i].join();
+        continue;
+      }
+      threads_[i].detach();
+      has_blocked_ = true;
+      message_("sensor [" + status_[i].name + "]: its driver does not return; it is left");
+    }
+    return !has_blocked_;
   }
 
   std::vector<SensorStatus> status() const {
@@ -186,7 +197,7 @@ class SensorGroup::Implementation {
       ++status_[index].observations;
     }
     const std::lock_guard lock(callback_mutex_);
-    observation_(observation);
+    if (!isStopping()) observation_(observation);  // what it uses may end after stop()
   }
 
   void setRunning(std::size_t index) {
@@ -206,7 +217,8 @@ class SensorGroup::Implementation {
     }
     if (!is_new) return;  // the same failure at each attempt is said once
     const std::lock_guard lock(callback_mutex_);
-    message_("sensor [" + status_[index].name + "]: " + reason + "; it is started again");
+    if (!isStopping())
+      message_("sensor [" + status_[index].name + "]: " + reason + "; it is started again");
   }
 
   [[nodiscard]] bool isStopping() const {
@@ -229,19 +241,21 @@ class SensorGroup::Implementation {
   bool stopping_ = false;             // guarded by mutex_
   std::vector<SensorStatus> status_;  // guarded by mutex_ once threads run
   std::vector<std::thread> threads_;
+  std::vector<std::future<void>> ends_;  ///< of these
+  bool has_blocked_ = false;             ///< a driver, at the end
 };
 
 SensorGroup::SensorGroup(const mrpt::config::CConfigFileBase& configuration,
                          ObservationCallback observation, MessageCallback message,
                          const SensorGroupOptions& options)
-    : implementation_(std::make_unique<Implementation>(configuration, std::move(observation),
+    : implementation_(std::make_shared<Implementation>(configuration, std::move(observation),
                                                        std::move(message), options)) {}
 
-SensorGroup::~SensorGroup() = default;
+SensorGroup::~SensorGroup() { implementation_->stop(); }
 
 void SensorGroup::start() { implementation_->start(); }
 
-void SensorGroup::stop() { implementation_->stop(); }
+bool SensorGroup::stop() { return implementation_->stop(); }
 
 std::vector<SensorStatus> SensorGroup::status() const { return implementation_->status(); }
 

@@ -13,10 +13,11 @@
 
 namespace headway::drivers {
 
-/// When sensors are started again.
+/// When sensors are started again, and stopped.
 struct SensorGroupOptions {
   double retry_s = 1.0;        ///< between a failure and the next start [s]
   double max_silence_s = 5.0;  ///< without observations, after the first one, until a restart [s]
+  double max_stop_s = 2.0;     ///< of stop() [s]
 };
 
 /// State of one sensor.
@@ -40,7 +41,7 @@ struct SensorStatus {
 ///     sensors.start();
 class SensorGroup {
  public:
-  /// Receives each observation, called by the sensors' threads, one call at a time.
+  /// Receives each observation, called by the sensors' threads, one call at a time, until stop().
   using ObservationCallback = std::function<void(const mrpt::obs::CObservation::Ptr&)>;
   /// Receives messages about failed and restarted sensors, called like the former.
   using MessageCallback = std::function<void(const std::string&)>;
@@ -55,15 +56,18 @@ class SensorGroup {
   SensorGroup(const SensorGroup&) = delete;
   SensorGroup& operator=(const SensorGroup&) = delete;
 
-  void start();
+  void start();  ///< once
   /// Waits for the drivers' present calls, then closes them.
-  void stop();
+  ///
+  /// @return  false if some did not return within `max_stop_s`, which a message names: they go on
+  ///          in their threads, and are closed if they return, without callbacks
+  bool stop();
 
   [[nodiscard]] std::vector<SensorStatus> status() const;
 
  private:
   class Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  std::shared_ptr<Implementation> implementation_;  ///< shared with the threads
 };
 
 }  // namespace headway::drivers
