@@ -280,18 +280,17 @@ std::unique_ptr<live::LivePage> makePage(const LiveOptions& options) {
 
 /// Prints one line a second in a thread of its own: pose, tracking, tracks, latency and drops.
 ///
-/// Ends input and page within about 50 ms of an interrupt, also while no frames arrive.
+/// Ends input and page within about 50 ms of an interrupt, also while no frames arrive, and while
+/// drivers are configured.
 class StatusLine : public run::Sink {
  public:
   /// @param quiet  prints nothing
-  /// @param page, ros2  null: none
-  StatusLine(bool quiet, io::LiveSource& source, live::LivePage* page, double pair_tolerance_s,
-             const live::Ros2Connection* ros2)
+  /// @param page   null: none
+  StatusLine(bool quiet, io::LiveSource& source, live::LivePage* page, double pair_tolerance_s)
       : quiet_(quiet),
         source_(source),
         page_(page),
         pair_tolerance_s_(pair_tolerance_s),
-        ros2_(ros2),
         thread_([this] { run(); }) {}
   ~StatusLine() override {
     stopping_ = true;
@@ -300,6 +299,11 @@ class StatusLine : public run::Sink {
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
+  /// From now on names the topics that are waited for; null: none.
+  void setTopics(const live::Ros2Connection* ros2) {
+    const std::lock_guard lock(mutex_);
+    ros2_ = ros2;
+  }
   void onFrame(const run::FrameResult& result, pipeline::Perception& /*perception*/) override {
     const double latency_s = monotonicSeconds() - result.arrival_s;
     const std::lock_guard lock(mutex_);
@@ -316,11 +320,11 @@ class StatusLine : public run::Sink {
   io::LiveSource& source_;
   live::LivePage* page_;
   double pair_tolerance_s_;
-  const live::Ros2Connection* ros2_;
   std::mutex mutex_;
-  std::optional<run::FrameResult> last_;  // guarded by mutex_, like the members below
-  double max_latency_s_ = 0.0;            ///< since the last line
-  std::size_t frames_ = 0;                ///< since the last line
+  const live::Ros2Connection* ros2_ = nullptr;  // guarded by mutex_, like the members below
+  std::optional<run::FrameResult> last_;
+  double max_latency_s_ = 0.0;  ///< since the last line
+  std::size_t frames_ = 0;      ///< since the last line
   std::atomic<bool> stopping_{false};
   std::thread thread_;  // last member, so that it starts after the others
 };
@@ -472,6 +476,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     add(observation);
   };
   const auto page = makePage(options);
+  StatusLine status(quiet, source, page.get(), options.pair_tolerance_s);
   std::unique_ptr<drivers::SensorGroup> sensors;
   if (!options.sensors.empty()) sensors = makeSensors(options.sensors, deliver);
   const std::shared_ptr<void> sensors_end(nullptr, [&](void*) {
@@ -487,8 +492,8 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   }
   const auto before_sensors = stopAtEnd(ros2);  // of which it speaks
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
-  StatusLine status(quiet, source, page.get(), options.pair_tolerance_s, topics);
-  if (sensors) sensors->start();
+  status.setTopics(topics);
+  if (sensors && !program::interrupted()) sensors->start();
   if (!waitForCamera(source, options.pair_tolerance_s, topics)) {
     if (recorder) recorder->close();
     return;

@@ -15,6 +15,7 @@
 #include <fstream>
 #include <functional>
 #include <future>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -72,6 +73,13 @@ class LiveProgramTest : public ::testing::Test {
     return [count](const std::string& output) { return trackedFrames(output) >= count; };
   }
 
+  /// Port of the page or of the health; 0 before it is printed.
+  static int portOf(const std::string& what, const std::string& output) {
+    std::smatch port;
+    const std::regex line(what + ": http://127.0.0.1:([0-9]+)/");
+    return std::regex_search(output, port, line) ? std::stoi(port[1]) : 0;
+  }
+
   /// Whether a recording contains observations and was ended.
   static bool isComplete(const std::string& rawlog) {
     return std::filesystem::file_size(rawlog) > 10000 &&
@@ -96,13 +104,12 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
   std::future<double> closed_s;
   double signalled_s = 0.0;
   const auto isGood = [&](const std::string& output) {
-    std::smatch port;
-    if (!std::regex_search(output, port, std::regex("health: http://127.0.0.1:([0-9]+)/health")))
-      return false;
-    const auto response = test::httpGet("127.0.0.1", std::stoi(port[1]), "/health");
+    const int port = portOf("health", output);
+    if (port == 0) return false;
+    const auto response = test::httpGet("127.0.0.1", port, "/health");
     if (response.status == 200) health = response.body;
     if (health.empty() || trackedFrames(output) < 12) return false;
-    slow.emplace("127.0.0.1", std::stoi(port[1]));
+    slow.emplace("127.0.0.1", port);
     closed_s = std::async(std::launch::async, [&] {
       (void)slow->receiveAll();
       return monotonicSeconds();
@@ -278,6 +285,37 @@ TEST_F(LiveRobotTest, ADriverThatDoesNotReturnDoesNotDelayTheEnd) {
   EXPECT_THAT(run.output, HasSubstr("sensor [IMU]: its driver does not return; it is left"));
   EXPECT_GE(summary("out").at("frames_tracked").get<int>(), 4) << run.output;
   EXPECT_TRUE(isComplete(recorded));
+}
+
+TEST_F(LiveRobotTest, ASignalEndsThePageWhileDriversAreConfigured) {
+  const std::string go_on = folder_ / "go_on";
+  std::future<double> closed_s;
+  double signalled_s = 0.0;
+  const auto isServed = [&](const std::string& output) {
+    const int port = portOf("page", output);
+    if (port == 0) return false;
+    closed_s = std::async(std::launch::async, [port, go_on] {
+      const bool is_closed = test::waitUntil([port] {
+        try {
+          test::Connection("127.0.0.1", port);
+          return false;
+        } catch (const std::runtime_error&) {
+          return true;
+        }
+      });
+      const double now_s = monotonicSeconds();
+      std::ofstream(go_on) << "the driver";
+      return is_closed ? now_s : std::numeric_limits<double>::infinity();
+    });
+    signalled_s = monotonicSeconds();
+    return true;
+  };
+  const auto run = live(section("IMU", "kind = imu\nconfigured_with = " + go_on + "\n"),
+                        "--show 0 -o " + (folder_ / "out").string(), isServed);
+  ASSERT_TRUE(closed_s.valid()) << run.output;
+  EXPECT_LT(closed_s.get() - signalled_s, 0.5);
+  EXPECT_EQ(0, run.status) << run.output;
+  EXPECT_THAT(run.output, HasSubstr("interrupted before the first stereo pair"));
 }
 
 TEST_F(LiveRobotTest, APluginThatCannotBeLoadedIsNamed) {

@@ -33,7 +33,8 @@ inline void waitForFile(const std::filesystem::path& path) {
 /// Section of an .ini file: `kind` = odometry, imu, laser, left or right; `trajectory` = true path
 /// (TUM); `rawlog_file` = stereo recording that left and right images, without calibration, are
 /// taken of; `late_s` is added to the times; after `unplug_after` observations the driver throws
-/// once; it blocks in initialize() until file `started_with` exists.
+/// once; it blocks in loadConfig() until file `configured_with` exists, and in initialize() until
+/// `started_with` does.
 ///
 /// Recorded times pass at the speed of the computer's clock from the process's start.
 class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
@@ -72,6 +73,7 @@ class RobotSensor : public mrpt::hwdrivers::CGenericSensor {
  protected:
   void loadConfig_sensorSpecific(const mrpt::config::CConfigFileBase& configuration,
                                  const std::string& section) override {
+    waitForFile(configuration.read_string(section, "configured_with", ""));
     started_with_ = configuration.read_string(section, "started_with", "");
     kind_ = configuration.read_string(section, "kind", "", true);
     path_ = io::readTum(configuration.read_string(section, "trajectory", "", true));
