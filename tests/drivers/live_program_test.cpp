@@ -11,6 +11,7 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -45,8 +46,8 @@ class LiveProgramTest : public ::testing::Test {
     const std::string end = folder_ / "live.status";
     std::filesystem::remove(end);
     const std::string pid = folder_ / "live.pid";
-    (void)test::runProcess("( " + test::program("headway-live") + " " + arguments + " >" + out +
-                           " 2>&1 & echo $! >" + pid + "; wait $!; echo $? >" + end +
+    (void)test::runProcess("( " + limits_ + test::program("headway-live") + " " + arguments + " >" +
+                           out + " 2>&1 & echo $! >" + pid + "; wait $!; echo $? >" + end +
                            " ) >/dev/null 2>&1 & sleep 0.2");
     const int process = std::stoi(test::contentsOf(pid));
     const auto has_ended = [&] { return !test::contentsOf(end).empty(); };
@@ -86,6 +87,7 @@ class LiveProgramTest : public ::testing::Test {
            test::runProcess("gzip -t <" + rawlog).status == 0;
   }
 
+  std::string limits_;  ///< commands of the shell before the program
   test::TemporaryFolder folder_;
 };
 
@@ -135,6 +137,50 @@ TEST_F(LiveProgramTest, RunsRecordsAndEndsCleanly) {
   const auto replay = test::runProcess(test::program("headway-replay") + " -q -i " + recorded +
                                        " -o " + (folder_ / "again").string() + " --snapshots 0");
   EXPECT_EQ(replay.status, 0) << replay.output;
+}
+
+TEST_F(LiveProgramTest, RecordsAndWritesCheckpointsWhileConnectionsComeWithoutEnd) {
+  limits_ = "ulimit -n 128; ";
+  const std::string out = folder_ / "out";
+  const std::string recorded = folder_ / "live.rawlog";
+  const std::string ini = sensors(
+      "[CAM]\ndriver = CCameraSensor\ngrabber_type = rawlog\nrawlog_file = " +
+      std::string(HEADWAY_SOURCE_DIR) +
+      "/rawlogs/street.rawlog\nprocess_rate = 8\npose_z = 1.65\npose_yaw = -90\npose_roll = -90\n");
+  std::deque<test::Connection> clients;
+  int wanted = 0;      // tracked frames
+  int recordable = 0;  // observations of the camera so far
+  const auto isEnough = [&](const std::string& output) {
+    if (trackedFrames(output) < 4) return false;
+    do clients.emplace_back("127.0.0.1", portOf("page", output));
+    while (clients.size() < 200);
+    if (clients.size() > 200) clients.pop_front();
+    if (wanted == 0) {
+      wanted = trackedFrames(output) + 8;
+      std::filesystem::remove(out + "/map.headway");  // of a checkpoint: the next one comes
+    }
+    if (trackedFrames(output) < wanted || !std::filesystem::exists(out + "/map.headway")) {
+      return false;
+    }
+    const auto health = test::httpGet("127.0.0.1", portOf("health", output), "/health").body;
+    recordable = nlohmann::json::parse(health).at("sensors").at(0).at("observations").get<int>();
+    return true;
+  };
+  const auto run = live("--sensors " + ini + " -o " + out + " --show 0 --health 0 --record " +
+                            recorded + " --set output.checkpoint_s=0.2",
+                        isEnough);
+  EXPECT_EQ(0, run.status) << run.output;
+  EXPECT_THAT(run.output, Not(HasSubstr("lacks")));
+  const auto summaryIn = [](const std::string& folder) {
+    return nlohmann::json::parse(test::contentsOf(folder + "/summary.json"));
+  };
+  EXPECT_GE(summaryIn(out).at("frames_tracked").get<int>(), wanted);
+  const std::string again = folder_ / "again";
+  const auto replay = test::runProcess(test::program("headway-replay") + " -q -i " + recorded +
+                                       " -o " + again + " --snapshots 0");
+  EXPECT_EQ(0, replay.status) << replay.output;
+  EXPECT_GE(recordable, wanted);
+  EXPECT_GE(summaryIn(again).at("frames").get<int>(), recordable);
 }
 
 TEST_F(LiveProgramTest, ARunThatWasKilledGoesOnInItsMap) {
