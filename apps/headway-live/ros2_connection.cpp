@@ -106,9 +106,10 @@ class Ros2Connection::Implementation {
     const double silent_s = drivers::SensorGroupOptions().max_silence_s;
     std::vector<drivers::SensorStatus> result;
     for (const auto& topic : source_.status()) {
-      if (topic.use.empty() || (topic.messages == 0 && topic.age_s < silent_s)) continue;
       const bool is_state = topic.use == "mounting" || topic.use == "calibration" ||
-                            topic.use == "initial pose";  // which need not come again
+                            topic.use == "initial pose";  // which need not come at all, nor again
+      const bool is_awaited = topic.messages == 0 && (is_state || topic.age_s < silent_s);
+      if (topic.use.empty() || is_awaited) continue;
       drivers::SensorStatus status;
       status.name = topic.topic;
       status.is_running = is_state || topic.age_s < silent_s;
