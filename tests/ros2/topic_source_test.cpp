@@ -76,15 +76,18 @@ class StereoWriters {
       EXPECT_TRUE(infos_.at(side)->write(&info) && images_.at(side)->write(&picture_));
     }
   }
-  /// Both cameras, and where odometry has the robot.
-  void mount(const std::string& base = "base_link") {
+  /// Both cameras on a frame of the robot, and if it drives, where odometry has that.
+  void mount(const std::string& base = "base_link", bool drives = false) {
     tf2_msgs::msg::dds_::TFMessage_ message;
-    message.transforms().resize(3);
-    message.transforms()[2].header().stamp().sec(100);
-    message.transforms()[2].header().frame_id("odom");
-    message.transforms()[2].child_frame_id(base);
-    message.transforms()[2].transform().translation().x(5.0);
-    message.transforms()[2].transform().rotation().w(1.0);
+    message.transforms().resize(drives ? 3 : 2);
+    if (drives) {
+      auto& odometry = message.transforms()[2];
+      odometry.header().stamp().sec(100);
+      odometry.header().frame_id("odom");
+      odometry.child_frame_id(base);
+      odometry.transform().translation().x(5.0);
+      odometry.transform().rotation().w(1.0);
+    }
     const std::array<const char*, 2> frames = {"left", "right"};
     for (const std::size_t side : {0, 1}) {
       auto& transform = message.transforms()[side];
@@ -659,12 +662,12 @@ TEST_F(TopicSourceTest, TheRobotsFrameIsThatWhichCarriesTheCamera) {
   start();
   EXPECT_EQ(source_->robotFrame(), "base_link");
   EXPECT_TRUE(waitUntil([&] {
-    camera.mount("base");
+    camera.mount("base", true);
     camera.write(0.1);
     return count("CObservationStereoImages") > 0 && source_->robotFrame() == "base";
   })) << source_->missing();
   EXPECT_TRUE(waitUntil([&] {
-    camera.mount("base");
+    camera.mount("base", true);
     const auto odometry = source_->odometryAt(100.0);
     return odometry && odometry->translation().x() == 5.0;
   }));
@@ -693,6 +696,42 @@ TEST_F(TopicSourceTest, OfASensorInTwoTopicsZerosOfTheOtherHalfAreNoMeasurement)
   using mrpt::obs::IMU_WZ, mrpt::obs::IMU_Z_ACC;
   EXPECT_TRUE(isReceived(*gyro, [](const auto& s) { return s.has(IMU_WZ) && !s.has(IMU_Z_ACC); }));
   EXPECT_TRUE(isReceived(*accel, [](const auto& s) { return s.has(IMU_Z_ACC) && !s.has(IMU_WZ); }));
+}
+
+/// A camera on a joint; that the robot drives is no reason.
+TEST_F(TopicSourceTest, AMountingThatMovesIsNamed) {
+  StereoWriters camera(peer_);
+  camera.setFocal(50.0);
+  camera.mount("mast");
+  const auto tf = peer_.writer<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf");
+  tf2_msgs::msg::dds_::TFMessage_ message;
+  message.transforms().resize(2);
+  auto& driving = message.transforms()[0];
+  driving.header().frame_id("odom");
+  driving.child_frame_id("base_link");
+  driving.transform().rotation().w(1.0);
+  auto& joint = message.transforms()[1];
+  joint.header().frame_id("base_link");
+  joint.child_frame_id("mast");
+  joint.transform().rotation().w(1.0);
+  Ros2SourceParams params;
+  params.base_frame = "base_link";
+  start(params);
+  const auto write = [&] {
+    driving.transform().translation().x(driving.transform().translation().x() + 0.1);
+    (void)tf->write(&message);
+    camera.write(0.1);
+  };
+  ASSERT_TRUE(waitUntil([&] {
+    write();
+    return count("CObservationStereoImages") > 5;
+  })) << source_->missing();
+  EXPECT_FALSE(isSaid("moves"));
+  joint.transform().translation().z(0.5);
+  EXPECT_TRUE(waitUntil([&] {
+    write();
+    return isSaid("the mounting of left moves by that of mast: it is taken as at the start");
+  }));
 }
 
 /// Even if another program publishes transforms that are not kept, before.

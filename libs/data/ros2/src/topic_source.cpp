@@ -328,6 +328,25 @@ class TopicSource::Implementation {
     }
   }
 
+  /// Says once for each frame that it moves another on which a sensor is mounted: as at the start.
+  void nameMovingMounting(const bags::TransformMessage& now) {
+    const auto& transforms = surveyor_->survey.transforms;
+    const auto known = transforms.between(now.header.frame, now.child_frame);
+    if (!known || known->isApprox(now.T_parent_child, 1e-3)) return;
+    if (moving_.size() > kMaxReasons || !moving_.insert(now.child_frame).second) return;
+    bags::TransformTree moved = transforms;
+    moved.add(now, true);
+    auto frames = surveyor_->survey.frames;
+    const std::string& camera = selection_.left.empty() ? selection_.depth : selection_.left;
+    const std::string base = baseFrame().empty() ? frames[camera] : baseFrame();
+    for (const auto& [topic, frame] : frames) {
+      const auto before = transforms.between(base, frame), after = moved.between(base, frame);
+      if (!before || !after || after->isApprox(*before, 1e-3)) continue;
+      say("the mounting of " + frame + " moves by that of " + now.child_frame +
+          ": it is taken as at the start");
+    }
+  }
+
   /// Says once that a driver was restarted with other settings, which are not taken up.
   void compareInfo(const std::string& topic, const io::CameraInfo& now) {
     const auto used = infos_.find(topic);
@@ -435,6 +454,7 @@ class TopicSource::Implementation {
 
   void addTransforms(std::string_view message) {
     for (const auto& transform : bags::decodeTransforms(message, bags::Encoding::kCdr)) {
+      if (rig_) nameMovingMounting(transform);
       if (transform.header.frame != options_.odom_frame) continue;
       const auto T_child_robot =
           surveyor_->survey.transforms.between(transform.child_frame, robot_frame_);
@@ -576,6 +596,7 @@ class TopicSource::Implementation {
   std::map<std::string, io::CameraInfo> infos_;  ///< by which it is, by topic
   bool is_late_mounting_named_ = false;
   std::map<std::string, Pose> mounting_;  ///< by topic
+  std::set<std::string> moving_;          ///< frames
   bags::ImagePairing pairing_;
   std::map<std::string, Subscription> subscriptions_;  ///< by topic
   std::set<std::string> said_;
