@@ -1,11 +1,18 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Counts how often a lost camera is found again in a stored map, and how often in a wrong place: with people before the
-# camera, furniture moved, another gamma, and in worlds that the map is not of, identical racks included.
-#   [SEEDS="701 702"] [PLACES=20] tests/bench/relocalise.sh [OUT]
-# OUT (default out/relocalise) contains rawlogs; existing ones are reused.
+# camera, furniture moved, another gamma, and in worlds that the map is not of, identical racks included. Ends with the
+# bars that are missed, and fails then.
+#   [SEEDS="701 702"] [PLACES=20] tests/bench/relocalise.sh [--check] [OUT]
+# OUT (default out/relocalise) contains rawlogs; existing ones are reused. --check measures nothing: it compares
+# OUT/measured.txt with the bars.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+only_check=false
+if [ "${1:-}" = --check ]; then
+  only_check=true
+  shift
+fi
 out=${1:-out/relocalise}
 seeds=${SEEDS:-701 702}
 places=${PLACES:-20}
@@ -41,13 +48,58 @@ tried() {
   $bench --map "$out/$name.rawlog" "${again[@]}" --places "$places" | grep -v '^  frame'
   # No second of another world is this one.
   $bench --map "$out/$name.rawlog" "${elsewhere[@]}" --places $((3 * places)) | grep -v '^  frame'
-  # Starts in a part that is not mapped.
+  echo "where nothing is mapped:"
   $bench --map "$out/$name.rawlog" --map-to 150 --restart "$out/$name.rawlog" --restart-from 200 \
     --places $((3 * places)) | grep -v '^  frame'
 }
 
-for seed in $seeds; do
-  tried "hall-$seed" hall "$seed" 0.65
-  tried "warehouse-$seed" warehouse "$seed" 0.9
-  tried "racks-$seed" warehouse "$seed" 0.9 --set world.identical_racks=true
-done
+measure() {
+  for seed in $seeds; do
+    tried "hall-$seed" hall "$seed" 0.65
+    tried "warehouse-$seed" warehouse "$seed" 0.9
+    tried "racks-$seed" warehouse "$seed" 0.9 --set world.identical_racks=true
+  done
+}
+
+# missed FILE: the bars that what measure() printed misses, one a line
+missed() {
+  python3 - "$1" <<'PYTHON'
+import re
+import sys
+
+tried = wrong = 0
+right: dict[str, list[int]] = {}
+is_mapped = True
+for line in open(sys.argv[1]):
+    is_mapped = is_mapped and not line.startswith("where nothing is mapped")
+    if line.startswith("== "):
+        is_mapped = True
+    if not (match := re.match(r"(\S+?)( \(another world\))?: (\d+) of (\d+) found, (\d+) of them wrong", line)):
+        continue
+    found, places, elsewhere = (int(match[i]) for i in (3, 4, 5))
+    if match[2] or not is_mapped:
+        tried += places
+        wrong += found
+        continue
+    wrong += elsewhere
+    if change := re.search(r"-\d+-([a-z]\S+)\.rawlog$", match[1]):
+        counts = right.setdefault(change[1], [0, 0])
+        counts[0] += found - elsewhere
+        counts[1] += places
+if wrong > 0 or tried < 1000:
+    print(f"{tried} starts at wrong places, must be 1000, and {wrong} found in a wrong one, must be 0")
+for change, (found, places) in right.items():
+    if found < 0.95 * places:
+        print(f"{change}: {found} of {places} found in 3 s, must be 95 %")
+if not right:
+    print("right places: not measured")
+PYTHON
+}
+
+if ! $only_check; then measure | tee "$out/measured.txt"; fi
+bars=$(missed "$out/measured.txt")
+if [ -n "$bars" ]; then
+  printf '== missed\n%s\n' "$bars"
+  exit 1
+fi
+echo "== all bars are reached"

@@ -9,7 +9,9 @@ set -euo pipefail
 preset=$1
 cd "$2"
 shift 2
-[ $# -gt 0 ] || set -- -L 'unit|regression|program' -E 'readme$'
+labels='unit|regression|program'
+[ "$preset" != clang ] || labels+='|python|workflow'
+[ $# -gt 0 ] || set -- -L "$labels" -E 'readme$'
 source libs/cmake/setup.sh
 cmake --preset "$preset" -DHEADWAY_NIGHTLY_TESTS=ON >/dev/null
 build_preset "$preset"
