@@ -190,9 +190,8 @@ void limitLog() {
   static DdsWarnings warnings;
   const auto print = [](void*, const dds_log_data_t* data) {
     if ((data->priority & DDS_LC_INFO) != 0) return selectedInterface().read(data->message);
-    if (std::strstr(data->message, "\"lo\" is not multicast-capable") != nullptr)
-      return;  // as usual
-    warnings.add(data->message);
+    const bool is_usual = std::strstr(data->message, "\"lo\" is not multicast-capable") != nullptr;
+    if (!is_usual) warnings.add(data->message);
   };
   dds_set_log_sink(print, nullptr);
 }
