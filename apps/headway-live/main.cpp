@@ -69,7 +69,7 @@ mrpt::config::CConfigFile readSensors(const std::string& path) {
   return mrpt::config::CConfigFile(path);
 }
 
-/// Rawlogs that drivers play are inputs.
+/// Rawlogs and images that drivers play are inputs.
 void registerRecordings(const std::string& sensors) {
   if (sensors.empty()) return;
   const auto configuration = readSensors(sensors);
@@ -77,6 +77,7 @@ void registerRecordings(const std::string& sensors) {
   configuration.getAllSections(sections);
   for (const auto& section : sections) {
     registerInput(configuration.read_string(section, "rawlog_file", ""));
+    program::registerDataset(configuration.read_string(section, "image_dir_url", ""));
   }
 }
 

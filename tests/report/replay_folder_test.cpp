@@ -143,6 +143,10 @@ TEST_F(ReplayFolderTest, ThePictureOfTheGridIsInTheFolder) {
   write("map_grid.png", "");
   EXPECT_EQ(folder_ / "map_grid.png", grid(" ../elsewhere/map_grid.png")->picture);
   EXPECT_EQ(2.0, grid(" map_grid.png")->origin.y());
+  for (const char* origin : {"", "origin: [1.0", "origin: [1, 2]", "origin: [1, x, 0]"}) {
+    write("map_grid.yaml", "image: map_grid.png\nresolution: 0.2\n" + std::string(origin) + "\n");
+    EXPECT_THROW((void)readReplayFolder(folder_.path()), InputError) << origin;
+  }
 }
 
 TEST_F(ReplayFolderTest, ReadsTheTrajectoryWithoutComments) {
@@ -176,6 +180,21 @@ TEST_F(ReplayFolderTest, ThinsOutALongRunAndItsTracksAlike) {
   EXPECT_EQ(folder.tracks[1].points[1].time, 0.5 * static_cast<double>(1000 + kStep));
 }
 
+TEST_F(ReplayFolderTest, KeepsEachSoManiethFrameOfManyBoxes) {
+  std::string rows = kHeader;
+  for (int frame = 0; frame < 200; ++frame) {
+    for (int id = 0; id < 1000; ++id) rows += row(0.1 * frame, id, "confirmed", 1, 5.0);
+  }
+  write("tracks.csv", rows);
+  const auto thinned = readTracks(folder_ / "tracks.csv");
+  EXPECT_EQ(thinned.step, 4U);
+  ASSERT_EQ(thinned.tracks.size(), 1000U);
+  for (const auto& track : thinned.tracks) {
+    ASSERT_EQ(track.points.size(), 50U);
+    EXPECT_NEAR(track.points[1].time, 0.4, 1e-9);
+  }
+}
+
 TEST_F(ReplayFolderTest, ListsSnapshotsByNameAndIgnoresOtherFiles) {
   write("summary.json", "{}");
   std::filesystem::create_directories(folder_ / "snapshots");
@@ -191,7 +210,7 @@ TEST_F(ReplayFolderTest, ListsSnapshotsByNameAndIgnoresOtherFiles) {
 TEST_F(ReplayFolderTest, GroupsRowsByTrackInOrderOfAppearance) {
   write("tracks.csv", kHeader + row(2.0, 1, "confirmed", 1, 5.0) + row(1.0, 7, "coasting", 0, 6.0) +
                           row(1.5, 1, "coasting", 0, 4.0) + row(3.0, 7, "confirmed", 1, 8.0));
-  const auto tracks = readTracks(folder_ / "tracks.csv");
+  const auto tracks = readTracks(folder_ / "tracks.csv").tracks;
   ASSERT_EQ(tracks.size(), 2u);
   EXPECT_EQ(tracks[0].id, 7);
   EXPECT_EQ(tracks[1].id, 1);

@@ -235,6 +235,8 @@ struct CommandLine::Arguments {
       for (const auto& text : option->results()) {
         registerInput(text);
         registerInputsIn(text);
+        std::istringstream parts(text);  // of a list, such as plug-ins
+        for (std::string part; std::getline(parts, part, ',');) registerInput(part);
       }
     }
     for (const auto& path : configs) registerInput(findDataFile(path));

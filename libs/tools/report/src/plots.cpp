@@ -360,7 +360,9 @@ std::string activityPlots(const ReplayFolder& folder) {
                fixed(*std::max_element(speeds.begin(), speeds.end()), 1) + "\u202fm/s", speeds,
                span);
   std::map<double, double> counts;
-  for (const auto& pose : folder.trajectory) counts[pose.time] = 0.0;
+  if (folder.track_step == 1) {
+    for (const auto& pose : folder.trajectory) counts[pose.time] = 0.0;
+  }
   for (const auto& history : folder.tracks) {
     for (const auto& point : history.points) counts[point.time] += 1.0;
   }

@@ -24,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxLandmarks = 6000;
-constexpr std::size_t kMaxPoses = 50000;  // of the trajectory, above which it is thinned out
+// Of the trajectory, and of all tracks' states, above which they are thinned out.
+constexpr std::size_t kMaxPoses = 50000;
 
 struct PlyHeader {
   std::size_t count = 0;
@@ -92,6 +93,7 @@ std::optional<GridFile> readGrid(const fs::path& path) {
   std::ifstream file(path);
   if (!file) return std::nullopt;
   GridFile grid;
+  bool has_origin = false;
   for (std::string line; std::getline(file, line);) {
     const auto value = line.substr(std::min(line.size(), line.find(':') + 1));
     if (line.rfind("image:", 0) == 0) {
@@ -100,12 +102,17 @@ std::optional<GridFile> readGrid(const fs::path& path) {
     } else if (line.rfind("resolution:", 0) == 0) {
       grid.resolution_m = std::atof(value.c_str());
     } else if (line.rfind("origin:", 0) == 0) {
-      std::sscanf(value.c_str(), " [%lf, %lf", &grid.origin.x(), &grid.origin.y());
+      double yaw = 0.0;
+      int end = 0;  // only if all of it was read
+      std::sscanf(value.c_str(), " [%lf ,%lf ,%lf ]%n", &grid.origin.x(), &grid.origin.y(), &yaw,
+                  &end);
+      has_origin = end > 0;
     }
   }
   if (!(grid.resolution_m > 0.0) || !fs::is_regular_file(grid.picture)) {
     throw InputError(path.string() + ": names no picture or no resolution");
   }
+  if (!has_origin) throw InputError(path.string() + ": its origin is not [x, y, yaw]");
   return grid;
 }
 
@@ -124,10 +131,20 @@ ThinnedPath readPath(const fs::path& path, std::size_t max_poses) {
   return thinned;
 }
 
-std::vector<TrackHistory> readTracks(const fs::path& path, const std::set<double>& times) {
+ThinnedTracks readTracks(const fs::path& path, const std::set<double>& times) {
+  const auto visit = [&](const auto& use) {
+    io::visitTrackCsv(path, [&](const TrackSample& sample) {
+      if (times.empty() || times.count(sample.time) > 0) use(sample);
+    });
+  };
+  std::size_t states = 0;
+  visit([&](const TrackSample&) { ++states; });
+  ThinnedTracks thinned;
+  thinned.step = 1 + states / (kMaxPoses + 1);
   std::map<TrackId, TrackHistory> histories;
-  io::visitTrackCsv(path, [&](const TrackSample& sample) {
-    if (!times.empty() && times.count(sample.time) == 0) return;
+  std::map<double, std::size_t> frames;
+  visit([&](const TrackSample& sample) {
+    if (frames.try_emplace(sample.time, frames.size()).first->second % thinned.step != 0) return;
     TrackHistory& history = histories[sample.track.id];
     history.id = sample.track.id.value;
     history.object_class = sample.track.object_class;
@@ -135,7 +152,7 @@ std::vector<TrackHistory> readTracks(const fs::path& path, const std::set<double
                               sample.track.status != TrackStatus::kCoasting,
                               isMoving(sample.track)});
   });
-  std::vector<TrackHistory> result;
+  auto& result = thinned.tracks;
   for (auto& [id, history] : histories) {
     std::stable_sort(history.points.begin(), history.points.end(),
                      [](const auto& a, const auto& b) { return a.time < b.time; });
@@ -144,7 +161,7 @@ std::vector<TrackHistory> readTracks(const fs::path& path, const std::set<double
   std::stable_sort(result.begin(), result.end(), [](const TrackHistory& a, const TrackHistory& b) {
     return a.points.front().time < b.points.front().time;
   });
-  return result;
+  return thinned;
 }
 
 std::vector<ColouredPoint> readPoints(const std::filesystem::path& path, std::size_t max_points) {
@@ -192,7 +209,11 @@ ReplayFolder readReplayFolder(const fs::path& path) {
       for (const auto& pose : folder.trajectory) times.insert(pose.time);
     }
   }
-  if (fs::exists(path / "tracks.csv")) folder.tracks = readTracks(path / "tracks.csv", times);
+  if (fs::exists(path / "tracks.csv")) {
+    ThinnedTracks thinned = readTracks(path / "tracks.csv", times);
+    folder.tracks = std::move(thinned.tracks);
+    folder.track_step = thinned.step;
+  }
   if (fs::exists(path / "map_points.ply")) {
     folder.landmarks = readPoints(path / "map_points.ply", kMaxLandmarks);
   }

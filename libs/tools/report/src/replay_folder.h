@@ -39,6 +39,7 @@ struct ReplayFolder {
   nlohmann::ordered_json record;                 ///< replay.json; null if missing
   std::vector<Stamped<Pose>> trajectory;         ///< robot in map; of long runs a sample
   std::vector<TrackHistory> tracks;              ///< at its times; by first time, then id
+  std::size_t track_step = 1;                    ///< of these times every so manieth alone
   std::vector<ColouredPoint> landmarks;          ///< a sample
   std::optional<GridFile> grid;                  ///< map_grid.yaml; nullopt without a grid
   std::vector<std::filesystem::path> snapshots;  ///< by name
@@ -64,12 +65,19 @@ struct ThinnedPath {
 /// @throws InputError naming file and line of an error
 [[nodiscard]] ThinnedPath readPath(const std::filesystem::path& path, std::size_t max_poses);
 
-/// Reads the tracks of a file with the columns of `tracks.csv`, of any length.
+/// Tracks at every `step`-th time.
+struct ThinnedTracks {
+  std::vector<TrackHistory> tracks;
+  std::size_t step = 1;
+};
+
+/// Reads the tracks of a file with the columns of `tracks.csv`, of any length, thinned out to
+/// 50,000 states.
 ///
 /// @param times  of the states that are read [s]; empty: all
 /// @throws InputError naming file and line of an error
-[[nodiscard]] std::vector<TrackHistory> readTracks(const std::filesystem::path& path,
-                                                   const std::set<double>& times = {});
+[[nodiscard]] ThinnedTracks readTracks(const std::filesystem::path& path,
+                                       const std::set<double>& times = {});
 
 /// Reads a file of one JSON object. @throws InputError if it is none, or nested too deeply
 [[nodiscard]] nlohmann::ordered_json readJson(const std::filesystem::path& path);

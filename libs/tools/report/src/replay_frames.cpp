@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A finished replay frame by frame, with its truth and recorded images.
 #include <headway/core/error.h>
+#include <headway/core/input_files.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
@@ -334,6 +335,7 @@ RecordedImages::RecordedImages(const ReplayInput& input, std::size_t first_frame
     note(input.rawlog + " does not exist" + without);
     return;
   }
+  registerInput(input.rawlog);
   try {
     io::RawlogSourceOptions options;
     options.sensor_label = input.sensor_label;

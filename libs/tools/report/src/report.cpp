@@ -390,7 +390,7 @@ TruthLayer readTruth(const ReplayFolder& folder, const fs::path& truth_folder) {
   const fs::path path = truth_folder / "trajectory.tum";
   truth.trajectory = io::readTum(path);
   if (fs::exists(truth_folder / "objects.csv")) {
-    truth.objects = readTracks(truth_folder / "objects.csv");
+    truth.objects = readTracks(truth_folder / "objects.csv").tracks;
   }
   alignToEstimate(folder.trajectory, path.string(), truth);
   return truth;
@@ -408,11 +408,15 @@ std::string mapSection(const ReplayFolder& folder, const TruthLayer& truth) {
 
 std::string tracksSection(const ReplayFolder& folder) {
   const std::string rows = timeline(folder);
-  return section("tracks", "Tracks over time",
-                 rows.empty() ? ""
-                              : "One row for each track. Opaque: detected. Translucent: predicted "
-                                "without a detection. Thick: moving.",
-                 activityPlots(folder) + rows);
+  std::string text = rows.empty()
+                         ? ""
+                         : "One row for each track. Opaque: detected. Translucent: predicted "
+                           "without a detection. Thick: moving.";
+  if (folder.track_step > 1) {
+    text +=
+        " Of " + std::to_string(folder.track_step) + " frames one is shown, here and on the map.";
+  }
+  return section("tracks", "Tracks over time", text, activityPlots(folder) + rows);
 }
 
 std::string timingsSection(const ReplayFolder& folder) {
