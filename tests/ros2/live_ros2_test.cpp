@@ -13,12 +13,14 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
+#include <type_traits>
 
 #include "robot.h"
 
@@ -114,6 +116,12 @@ std::optional<Pose> poseAt(const std::vector<Stamped<Pose>>& poses, Time time) {
   return pose;
 }
 
+template <typename Message, typename = void>
+struct HasHeader : std::false_type {};
+template <typename Message>
+struct HasHeader<Message, std::void_t<decltype(std::declval<const Message&>().header())>>
+    : std::true_type {};
+
 /// Everything that headway publishes, as another implementation receives it.
 class Audience {
  public:
@@ -143,13 +151,14 @@ class Audience {
     add<OccupancyGrid_PubSubType>(peer, "/map", [](const auto&) {}, {true, true, 1});
     add<OccupancyGrid_PubSubType>(peer, "/headway/local_costmap", [this](const auto& message) {
       for (const auto cell : message.data()) local_states_.insert(cell);
+      costmaps_[test::Results::keyOf(timeOf(message.header()))] = message;
     });
     for (const auto& topic : predictedTopics()) {
       add<OccupancyGrid_PubSubType>(peer, topic, [](const auto&) {});
     }
     add<PointCloud2_PubSubType>(peer, "/headway/obstacles", [this](const auto& message) {
-      obstacle_frame_ = message.header().frame_id();
       obstacles_ += message.width();
+      clouds_[test::Results::keyOf(timeOf(message.header()))] = message;
       frames_.insert(test::Results::keyOf(timeOf(message.header())));
     });
     add<PointCloud2_PubSubType>(peer, "/headway/dense_map", [](const auto&) {});
@@ -159,8 +168,10 @@ class Audience {
     add<nav2_dynamic_msgs::msg::dds_::ObstacleArray_PubSubType>(
         peer, "/headway/moving_obstacles",
         [this](const auto& message) { moving_ += message.obstacles().size(); });
-    add<visualization_msgs::msg::dds_::MarkerArray_PubSubType>(peer, "/headway/markers",
-                                                               [](const auto&) {});
+    add<visualization_msgs::msg::dds_::MarkerArray_PubSubType>(
+        peer, "/headway/markers", [this](const auto& message) {
+          for (const auto& marker : message.markers()) note("/headway/markers", marker.header());
+        });
     add<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
         peer, "/diagnostics", [this](const auto& message) {
           for (const auto& line : message.status()) {
@@ -191,10 +202,19 @@ class Audience {
   std::vector<Stamped<Pose>> odometry_;
   std::map<std::string, std::vector<Stamped<Pose>>> transforms_;  // by frame and child
   std::size_t backward_ = 0, obstacles_ = 0, detections_ = 0, moving_ = 0;
-  std::string obstacle_frame_;
+  std::map<std::string, std::set<std::string>> frame_ids_;  // by topic, like the stamps
+  std::map<std::string, std::set<long>> image_stamps_;
+  std::map<long, sensor_msgs::msg::dds_::PointCloud2_> clouds_;
+  std::map<long, nav_msgs::msg::dds_::OccupancyGrid_> costmaps_;
   Eigen::Vector3d last_place_ = Eigen::Vector3d::Zero();
 
  private:
+  template <typename Header>
+  void note(const std::string& topic, const Header& header) {
+    frame_ids_[topic].insert(header.frame_id());
+    image_stamps_[topic].insert(test::Results::keyOf(timeOf(header)));
+  }
+
   template <typename PubSubType, typename Use>
   void add(FastDdsPeer& peer, const std::string& topic, Use use,
            const test::PeerQos& qos = {true, false, 100}) {
@@ -202,6 +222,7 @@ class Audience {
         "rt" + topic, qos, [this, topic, use](const typename PubSubType::type& message) {
           const std::lock_guard lock(mutex_);
           ++counts_[topic];
+          if constexpr (HasHeader<typename PubSubType::type>()) note(topic, message.header());
           use(message);
         }));
   }
@@ -313,13 +334,65 @@ TEST_F(RobotDriveTest, ResultsAreTopics) {
   EXPECT_THAT(audience_->edges_, ::testing::IsSupersetOf({"map>odom", "odom>base_link"}));
   EXPECT_EQ(audience_->backward_, 0U);
   EXPECT_GT(audience_->obstacles_, 0U);
-  EXPECT_EQ(audience_->obstacle_frame_, "base_link");
   EXPECT_THAT(audience_->local_states_, ::testing::IsSupersetOf({0, 100, 255}));
   EXPECT_GT(audience_->detections_, 0U);
   EXPECT_EQ(audience_->detections_, audience_->moving_);
   EXPECT_THAT(audience_->health_,
               ::testing::IsSupersetOf(
                   {"headway: localisation", "headway: input", "headway: sensor /left/image"}));
+}
+
+/// Those of a topic whose messages say where something is.
+TEST_F(RobotDriveTest, FramesAndStampsAreRight) {
+  std::set<long> images;
+  std::ifstream rows(at("out/trajectory_odom.tum"));
+  for (std::string row; std::getline(rows, row);) {
+    if (row[0] != '#') images.insert(test::Results::keyOf(std::stod(row)));
+  }
+  std::map<std::string, std::string> frames = {{"/map", "map"},
+                                               {"/headway/dense_map", "map"},
+                                               {"/headway/odometry", "odom"},
+                                               {"/headway/obstacles", "base_link"}};
+  for (const char* topic : {"local_costmap", "detections", "moving_obstacles", "markers"}) {
+    frames["/headway/" + std::string(topic)] = "odom";
+  }
+  for (const auto& topic : predictedTopics()) frames[topic] = "odom";
+  for (const auto& [topic, frame] : frames) {
+    EXPECT_EQ(audience_->frame_ids_[topic], std::set<std::string>{frame}) << topic;
+    for (const long stamp : audience_->image_stamps_[topic]) {
+      EXPECT_EQ(images.count(stamp), 1U) << topic;
+    }
+  }
+}
+
+/// What is blocked is at the same place by both topics, whose frames differ.
+TEST_F(RobotDriveTest, ObstaclesAreWhereTheCostmapIsBlocked) {
+  std::size_t points = 0;
+  for (const auto& [stamp, grid] : audience_->costmaps_) {
+    const auto cloud = audience_->clouds_.find(stamp);
+    const auto T_odom_robot =
+        poseAt(audience_->transforms_["odom>base_link"], timeOf(grid.header()));
+    if (cloud == audience_->clouds_.end() || !T_odom_robot) continue;
+    const auto& info = grid.info();
+    for (std::size_t i = 0; i < cloud->second.width(); ++i) {
+      Eigen::Vector3f point;
+      std::memcpy(point.data(), &cloud->second.data()[i * cloud->second.point_step()], 12);
+      const Eigen::Vector3d at = *T_odom_robot * point.cast<double>();
+      const auto column =
+          static_cast<int>((at.x() - info.origin().position().x()) / info.resolution());
+      const auto line =
+          static_cast<int>((at.y() - info.origin().position().y()) / info.resolution());
+      if (column < 0 || line < 0 || column >= static_cast<int>(info.width()) ||
+          line >= static_cast<int>(info.height())) {
+        continue;
+      }
+      ++points;
+      EXPECT_EQ(grid.data()[static_cast<std::size_t>(line) * info.width() +
+                            static_cast<std::size_t>(column)],
+                100);
+    }
+  }
+  EXPECT_GT(points, 100U);
 }
 
 TEST_F(RobotDriveTest, StampsAreThoseOfTheImages) {
