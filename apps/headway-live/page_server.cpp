@@ -191,8 +191,7 @@ void PageServer::Implementation::serve() {
     try {
       context_.run();
       return;
-    } catch (
-        const std::exception&) {  // such as lack of memory: it ends what was done, not the robot
+    } catch (const std::exception&) {  // it ends what was done, not the robot's process
     }
   }
 }
@@ -200,8 +199,11 @@ void PageServer::Implementation::serve() {
 void PageServer::Implementation::accept() {
   acceptor_.async_accept([this](error_code error, tcp::socket socket) {
     if (!error) {
-      accept();
-      return add(std::move(socket));
+      try {
+        add(std::move(socket));
+      } catch (const std::exception&) {  // such as lack of memory: it costs this client alone
+      }
+      return accept();
     }
     // Without a free descriptor every try fails at once.
     pause_.expires_after(milliseconds(100));
