@@ -69,6 +69,7 @@ TEST(BagSelectionTest, OneInertialSensorAndWheelOdometry) {
                           {"/camera/accel/sample", "Imu"}});
   topics.push_back({"/visual/odom", "nav_msgs/Odometry", Encoding::kCdr, 99});
   topics.push_back({"/odometry/filtered", "nav_msgs/Odometry", Encoding::kCdr, 99});
+  topics.push_back({"/headway/odometry", "nav_msgs/Odometry", Encoding::kCdr, 99});
   topics.push_back({"/wheels/odom", "nav_msgs/Odometry", Encoding::kCdr, 9});
   const auto selection = selectTopics(topics, {});
   EXPECT_THAT(selection.imu, ElementsAre("/camera/gyro/sample", "/camera/accel/sample"));

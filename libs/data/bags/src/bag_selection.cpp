@@ -189,14 +189,15 @@ std::vector<std::string> guessedImu(const std::vector<std::string>& topics) {
   return {topics.front()};
 }
 
-/// Wheel odometry, not that of a camera, a filter, or the truth.
+/// Wheel odometry, not that of a camera, such as headway's, a filter, or the truth.
 std::string guessedOdometry(const std::vector<std::string>& topics) {
   for (const auto& topic : topics) {
     std::string name = topic;
     std::transform(name.begin(), name.end(), name.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    static const std::array<const char*, 10> others = {"visual", "vio", "truth",  "gps",   "filter",
-                                                       "slam",   "icp", "stereo", "lidar", "/zed"};
+    static const std::array<const char*, 11> others = {"visual", "vio",  "truth",    "gps",
+                                                       "filter", "slam", "icp",      "stereo",
+                                                       "lidar",  "/zed", "/headway/"};
     if (std::none_of(others.begin(), others.end(),
                      [&](const char* other) { return contains(name, other); })) {
       return topic;

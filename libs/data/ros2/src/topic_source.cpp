@@ -48,12 +48,9 @@ constexpr char kPoseType[] = "geometry_msgs/PoseWithCovarianceStamped";
 constexpr char kTransformType[] = "tf2_msgs/TFMessage";
 constexpr char kInfoType[] = "sensor_msgs/CameraInfo";
 
-/// Without the odometry of another headway, which is none of wheels, unless it is wished.
-std::vector<BagTopic> topicsOf(const std::vector<PublishedTopic>& published,
-                               const bags::BagWishes& wishes) {
+std::vector<BagTopic> topicsOf(const std::vector<PublishedTopic>& published) {
   std::vector<BagTopic> topics;
   for (const auto& topic : published) {
-    if (endsWith(topic.name, "/headway/odometry") && topic.name != wishes.odometry) continue;
     topics.push_back({topic.name, topic.type, bags::Encoding::kCdr, 1});
   }
   return topics;
@@ -193,7 +190,7 @@ class TopicSource::Implementation {
 
   void discover() {
     const auto published = node_.published();
-    const auto topics = topicsOf(published, wishes_);
+    const auto topics = topicsOf(published);
     select(topics);
     for (const PublishedTopic& topic : published) check(topic);
     if (!is_selected_) return;
@@ -644,7 +641,7 @@ std::string listOfTopics(Node& node, const Ros2SourceParams& params) {
   try {
     auto wishes = wishesOf(params);
     wishes.tf = "";
-    selection = bags::selectTopics(topicsOf(published, wishes), wishes);
+    selection = bags::selectTopics(topicsOf(published), wishes);
   } catch (const InputError& error) {
     problem = error.what();
   }
