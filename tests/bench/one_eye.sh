@@ -8,15 +8,10 @@
 # OUT/measured.txt with the bars.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-only_check=false
-if [ "${1:-}" = --check ]; then
-  only_check=true
-  shift
-fi
-out=${1:-out/one_eye}
+source tests/bench/bars.sh
+begin out/one_eye "$@"
 bin=build/release/bin
 bench=build/release/tests/bench/pipeline/bench_one_eye
-mkdir -p "$out"
 
 measure() {
   local rawlog world odometry every
@@ -67,10 +62,4 @@ if good < 10000:
 PYTHON
 }
 
-if ! $only_check; then measure | tee "$out/measured.txt"; fi
-bars=$(missed "$out/measured.txt")
-if [ -n "$bars" ]; then
-  printf '== missed\n%s\n' "$bars"
-  exit 1
-fi
-echo "== all bars are reached"
+end

@@ -8,17 +8,12 @@
 # OUT/measured.txt with the bars.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-only_check=false
-if [ "${1:-}" = --check ]; then
-  only_check=true
-  shift
-fi
-out=${1:-out/relocalise}
+source tests/bench/bars.sh
+begin out/relocalise "$@"
 seeds=${SEEDS:-701 702}
 places=${PLACES:-20}
 bin=build/release/bin
 bench=build/release/tests/bench/slam/bench_relocalisation
-mkdir -p "$out"
 
 # recorded NAME WORLD SEED OPTIONS...: the recording NAME in OUT, of a tour
 recorded() {
@@ -96,10 +91,4 @@ if not right:
 PYTHON
 }
 
-if ! $only_check; then measure | tee "$out/measured.txt"; fi
-bars=$(missed "$out/measured.txt")
-if [ -n "$bars" ]; then
-  printf '== missed\n%s\n' "$bars"
-  exit 1
-fi
-echo "== all bars are reached"
+end

@@ -8,16 +8,11 @@
 # minutes. --check measures nothing: it compares OUT/measured.txt with the bars.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-only_check=false
-if [ "${1:-}" = --check ]; then
-  only_check=true
-  shift
-fi
-out=${1:-out/ros2}
+source tests/bench/bars.sh
+begin out/ros2 "$@"
 bin=build/release/bin
 bench=build/release/tests/ros2/bench_ros2
 export ROS_DOMAIN_ID=${ROS_DOMAIN_ID:-77}
-mkdir -p "$out"
 
 recorded() {
   local rawlog=$out/$1.rawlog
@@ -140,10 +135,4 @@ print("\n".join(missed))
 PYTHON
 }
 
-if ! $only_check; then measure | tee "$out/measured.txt"; fi
-bars=$(missed "$out/measured.txt")
-if [ -n "$bars" ]; then
-  printf '== missed\n%s\n' "$bars"
-  exit 1
-fi
-echo "== all bars are reached"
+end
