@@ -6,6 +6,7 @@
 #include <headway/core/output_file.h>
 #include <headway_test/folders.h>
 #include <headway_test/input_error.h>
+#include <headway_test/small_disk.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -40,26 +41,6 @@ std::vector<std::string> namesIn(const fs::path& folder) {
   }
   return names;
 }
-
-/// Limits the size of the files that this process writes during its lifetime.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit limited = before_;
-    limited.rlim_cur = bytes;
-    setrlimit(RLIMIT_FSIZE, &limited);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
 
 /// Sets the permissions that new files lack during its lifetime.
 class Umask {
@@ -139,7 +120,7 @@ TEST_F(OutputFileTest, ALinkCannotBePlantedWhereItIsWritten) {
 
 TEST_F(OutputFileTest, AFullDiskLeavesTheOldFile) {
   writeFile(path_, "old");
-  const SmallDisk disk(1000);
+  const test::SmallDisk disk(1000);
   EXPECT_THAT(test::inputErrorOf([&] { writeFile(path_, std::string(100'000, 'x')); }),
               HasSubstr("check the disk space"));
   EXPECT_EQ("old", contentOf(path_));
@@ -202,7 +183,7 @@ TEST_F(OutputFileTest, AKilledProgramLeavesWholeRows) {
 
 TEST_F(OutputFileTest, AFullDiskLeavesWholeRows) {
   GrowingFile file(path_);
-  const SmallDisk disk(1000);
+  const test::SmallDisk disk(1000);
   for (int i = 0; i < 50; ++i) file.stream() << std::string(99, 'x') << "\n";
   EXPECT_THAT(test::inputErrorOf([&] { file.endRows(); }), HasSubstr("No space left"));
   EXPECT_EQ(1000u, contentOf(path_).size());

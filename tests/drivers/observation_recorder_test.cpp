@@ -4,11 +4,10 @@
 #include <headway/drivers/observation_recorder.h>
 #include <headway_test/folders.h>
 #include <headway_test/process.h>
+#include <headway_test/small_disk.h>
 #include <headway_test/waiting.h>
 #include <mrpt/obs/CObservationOdometry.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <fstream>
 #include <mutex>
 
@@ -37,26 +36,6 @@ class ObservationRecorderTest : public ::testing::Test {
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> messages_;
-};
-
-/// A disk that is full: no file of this process grows further during its lifetime.
-class FullDisk {
- public:
-  explicit FullDisk(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit limit{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-  FullDisk& operator=(const FullDisk&) = delete;
-
- private:
-  rlimit old_{};
-  void (*old_handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
 };
 
 TEST_F(ObservationRecorderTest, RecordsWhatItIsGiven) {
@@ -98,7 +77,7 @@ TEST_F(ObservationRecorderTest, SaysAtOnceThatTheDiskIsFullAndKeepsWhatItHas) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "live.rawlog";
   std::ofstream(path) << "older";
-  const FullDisk disk(200000);
+  const test::SmallDisk disk(200000);
   ObservationRecorder recorder(path, say_);
   int written = 0;
   EXPECT_TRUE(test::waitUntil([&] {
