@@ -6,7 +6,7 @@
 #include <headway_test/folders.h>
 #include <headway_test/npm_packages.h>
 #include <headway_test/process.h>
-#include <headway_test/textured_world.h>
+#include <headway_test/repeated_corridor.h>
 #include <headway_test/waiting.h>
 
 #include <atomic>
@@ -649,16 +649,8 @@ TEST_F(LiveRos2Test, ARobotsOwnOdometryIsCorrectedBetweenFramesToo) {
               difference_m, error_m, gap_s);
 }
 
-/// A corridor that looks the same every 10.24 m: in its map, only who is told knows where it is.
 TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
-  constexpr double kRepeat_m = 10.24;  // of the texture
-  test::TexturedWorld corridor(test::smallCamera());
-  const Eigen::Vector3d low(-5.0, -1.5, -1.5), x = Eigen::Vector3d::UnitX();
-  for (const double side : {0.0, 3.0}) {
-    const Eigen::Vector3d y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
-    corridor.boards.push_back({low + side * z, x, y, 60.0, 3.0, {side, 1.7}});
-    corridor.boards.push_back({low + side * y, x, z, 60.0, 3.0, {5.3, side}});
-  }
+  const test::TexturedWorld corridor = test::repeatedCorridor();
   const auto record = [&](const std::string& path, double start_m, double step_m, int frames) {
     io::RawlogSink sink(path, io::ImageStorage::kEmbedded);
     for (int i = 0; i < frames; ++i) {
@@ -688,7 +680,7 @@ TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
     EXPECT_TRUE(waitUntil([&] { return robot.isWatched() && initial->matched() > 0; }));
     geometry_msgs::msg::dds_::PoseWithCovarianceStamped_ place;
     place.header().frame_id("map");
-    place.pose().pose().position().x(kRepeat_m + 1.0);
+    place.pose().pose().position().x(test::kCorridorRepeat_m + 1.0);
     place.pose().pose().orientation().w(1.0);
     EXPECT_TRUE(!is_message || initial->write(&place));
     const test::Results results(peer_);
@@ -705,8 +697,8 @@ TEST_F(LiveRos2Test, ALoadedMapIsSearchedFirstAroundTheInitialPose) {
     return place_m;
   };
   EXPECT_NEAR(placeOf(" --initial-pose 1,0,0", false), 1.0, 0.3);
-  EXPECT_NEAR(placeOf(" --initial-pose 11,0,0", false), kRepeat_m + 1.0, 0.3);
-  EXPECT_NEAR(placeOf("", true), kRepeat_m + 1.0, 0.3);
+  EXPECT_NEAR(placeOf(" --initial-pose 11,0,0", false), test::kCorridorRepeat_m + 1.0, 0.3);
+  EXPECT_NEAR(placeOf("", true), test::kCorridorRepeat_m + 1.0, 0.3);
 }
 
 TEST_F(LiveRos2Test, TheTrajectoryIsAsGoodAsThatOfAReplay) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 #include <headway/slam/stereo_slam.h>
-#include <headway_test/textured_world.h>
+#include <headway_test/repeated_corridor.h>
 
 #include <algorithm>
 #include <cmath>
@@ -279,14 +279,7 @@ TEST_F(LostCameraTest, GoesOnInItsMapWhereItRecognisesIt) {
 }
 
 TEST_F(LostCameraTest, AnInitialPoseIsSearchedInASubmapOfItsOwnToo) {
-  constexpr double kRepeat_m = 10.24;  // of the texture
-  test::TexturedWorld corridor(test::smallCamera());
-  const Eigen::Vector3d low(-5.0, -1.5, -1.5), x = Eigen::Vector3d::UnitX();
-  for (const double side : {0.0, 3.0}) {
-    const Eigen::Vector3d y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
-    corridor.boards.push_back({low + side * z, x, y, 60.0, 3.0, {side, 1.7}});
-    corridor.boards.push_back({low + side * y, x, z, 60.0, 3.0, {5.3, side}});
-  }
+  const test::TexturedWorld corridor = test::repeatedCorridor();
   const auto seen = [&](double at_m) {
     Pose pose = Pose::Identity();
     pose.translation().x() = at_m;
@@ -300,12 +293,13 @@ TEST_F(LostCameraTest, AnInitialPoseIsSearchedInASubmapOfItsOwnToo) {
     for (int i = 0; i < 30; ++i) update = seen(0.5 + 0.01 * i);
     ASSERT_GT(update.submap, 0) << "both places of the map look like this one";
     Pose initial = Pose::Identity();
-    initial.translation().x() = kRepeat_m * repeats + 1.0;
+    initial.translation().x() = test::kCorridorRepeat_m * repeats + 1.0;
     slam().setInitialPose(initial);
     double at_m = 0.8;
     for (; at_m < 4.0 && update.submap > 0; at_m += 0.1) update = seen(at_m + 0.1);
     EXPECT_EQ(update.submap, 0);
-    EXPECT_NEAR(update.T_map_robot.translation().x(), kRepeat_m * repeats + at_m, 0.05);
+    EXPECT_NEAR(update.T_map_robot.translation().x(), test::kCorridorRepeat_m * repeats + at_m,
+                0.05);
   }
 }
 
