@@ -132,8 +132,7 @@ void MessageImport::addImu(const BagTopic& topic, const BagMessage& message) {
   if (is_imu_split_) leaveOutZeroRate(imu);
   const Pose* mounting = mountingOf(topic.name);
   if (mounting == nullptr) return;
-  if ((imu.has_angular_velocity && !imu.angular_velocity.allFinite()) ||
-      (imu.has_acceleration && !imu.acceleration.allFinite())) {
+  if (!isFinite(imu)) {
     ++summary_.dropped["imu_not_finite"];
     return;
   }

@@ -191,6 +191,11 @@ void leaveOutZeroRate(ImuMessage& imu) {
   imu.has_angular_velocity = imu.has_angular_velocity && !imu.angular_velocity.isZero(0.0);
 }
 
+bool isFinite(const ImuMessage& imu) {
+  return (!imu.has_angular_velocity || imu.angular_velocity.allFinite()) &&
+         (!imu.has_acceleration || imu.acceleration.allFinite());
+}
+
 OdometryMessage decodeOdometry(std::string_view content, Encoding encoding) {
   WireReader in(content, encoding);
   OdometryMessage odometry;

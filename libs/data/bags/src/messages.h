@@ -151,6 +151,8 @@ struct PoseMessage {
 [[nodiscard]] ImuMessage decodeImu(std::string_view content, Encoding encoding);
 /// Of a sensor with two topics: that of the accelerometer states a rate of zero (RealSense).
 void leaveOutZeroRate(ImuMessage& imu);
+/// Whether what was measured is made of numbers.
+[[nodiscard]] bool isFinite(const ImuMessage& imu);
 [[nodiscard]] OdometryMessage decodeOdometry(std::string_view content, Encoding encoding);
 [[nodiscard]] LaserScanMessage decodeLaserScan(std::string_view content, Encoding encoding);
 [[nodiscard]] NavSatFixMessage decodeNavSatFix(std::string_view content, Encoding encoding);

@@ -510,8 +510,7 @@ class TopicSource::Implementation {
     if (selection_.imu.size() > 1) bags::leaveOutZeroRate(imu);
     const auto mounting = mountingOf(topic, imu.header.frame);
     if (!mounting) return;
-    if ((imu.has_angular_velocity && !imu.angular_velocity.allFinite()) ||
-        (imu.has_acceleration && !imu.acceleration.allFinite())) {
+    if (!bags::isFinite(imu)) {
       return skip("imu_not_finite", topic);
     }
     deliver(bags::imuObservation(imu, timeOf(imu.header), *mounting));
