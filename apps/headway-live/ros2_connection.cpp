@@ -140,8 +140,9 @@ class Ros2Connection::Implementation {
     if (!is_odometry_known_ &&
         now_s - *first_frame_s_ > drivers::SensorGroupOptions().max_silence_s) {
       is_odometry_known_ = true;
-      const std::string& robot = source_.robotFrame();
-      callbacks_.message("ROS 2: nobody publishes " + odom_frame_ + " -> " + robot + ": " + robot +
+      const std::string robot = source_.robotFrame();
+      callbacks_.message("ROS 2: no other node publishes " + odom_frame_ + " -> " + robot + ": " +
+                         robot +
                          " has no place in the map, unless odom_base = true in [ros2_publish]");
     }
     return pose;
@@ -165,7 +166,7 @@ class Ros2Connection::Implementation {
   const Callbacks callbacks_;
   const std::string odom_frame_;
   std::optional<double> first_frame_s_;
-  bool is_odometry_known_ = false;  ///< somebody publishes it, or that nobody does was said
+  bool is_odometry_known_ = false;  ///< it is published, or that it is not was said
   std::mutex mutex_;
   bool is_running_ = false;                     // guarded by mutex_; may the callbacks be used?
   std::optional<Pose> initial_pose_;            // guarded by mutex_
