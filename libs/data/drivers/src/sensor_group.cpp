@@ -93,6 +93,7 @@ class SensorGroup::Implementation : public std::enable_shared_from_this<Implemen
       has_blocked_ = true;
       message_("sensor [" + status_[i].name + "]: its driver does not return; it is left");
     }
+    ends_.clear();  // a future keeps its task, which keeps this
     return !has_blocked_;
   }
 
