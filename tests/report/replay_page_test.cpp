@@ -15,6 +15,8 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "html.h"
+
 namespace headway::report {
 namespace {
 
@@ -224,8 +226,17 @@ TEST_F(ReplayPageTest, OfEverythingAtOnceHasAtMostFifteenMegabytes) {
   std::filesystem::create_directories(folder_ / "truth");
   io::writeTum(folder_ / "truth/trajectory.tum", path);
   options_.truth = folder_ / "truth";
-  const auto bytes = std::filesystem::file_size(write());
+  const std::string html = page();
+  const auto bytes = html.size();
   EXPECT_LT(bytes, 15'000'000U);
+  const auto some = [](std::size_t all, const std::string& what, std::size_t shown) {
+    return HasSubstr("\"of " + grouped(all) + " " + what + " " + grouped(shown) + " are shown\"");
+  };
+  EXPECT_THAT(html, some(700000, "points of the dense map", 350000));
+  EXPECT_THAT(html, some(700000, "landmarks", 58334));
+  EXPECT_THAT(html, some(2500, "frames", 1250));
+  EXPECT_THAT(html, some(20000, "keyframes", 3334));
+  EXPECT_THAT(html, some(2500, "camera images", images.jpegs().size()));
   EXPECT_GT(bytes, 8'000'000U) << "not for want of contents";
 }
 
@@ -301,8 +312,10 @@ double difference(const cv::Mat& a, const cv::Mat& b) {
 }
 
 TEST_F(ReplayPageInBrowserTest, LinksScrubbingStepsAndClicksShowTheMoment) {
+  options_.images.erase(5);
   open("#t=1.23&track=7");
   EXPECT_THAT(text("title"), HasSubstr("onerror=alert(1)"));
+  EXPECT_EQ("of 30 camera images 29 are shown", text("left-out"));
   EXPECT_EQ("0:01.2", text("time"));
   EXPECT_THAT(text("moment"), HasSubstr("frame 12"));
   EXPECT_THAT(text("track"), HasSubstr("Car 7"));

@@ -34,6 +34,7 @@ class ReplayPage extends PageDrawing {
     this.renderer = this.makeRenderer();
     byId('title').textContent = replay.title;
     byId('scrub').max = replay.duration;
+    byId('left-out').textContent = replay.left_out.join(' · ');
     byId('duration').textContent = ` / ${clockText(replay.duration)}`;
     this.makeLayers();
     this.readColours();

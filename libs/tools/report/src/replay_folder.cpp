@@ -164,6 +164,11 @@ ThinnedTracks readTracks(const fs::path& path, const std::set<double>& times) {
   return thinned;
 }
 
+std::size_t countPoints(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return readHeader(file, path.string()).count;
+}
+
 std::vector<ColouredPoint> readPoints(const std::filesystem::path& path, std::size_t max_points) {
   std::ifstream file(path, std::ios::binary);
   const PlyHeader header = readHeader(file, path.string());

@@ -53,7 +53,7 @@ ReplayTruth readReplayTruth(const fs::path& folder, const std::vector<ReplayFram
   const Pose T_map_truth = alignment(trajectory, truth.path, frames);
   for (auto& pose : truth.path) pose.value = T_map_truth * pose.value;
   if (!fs::exists(objects)) {
-    note("no objects.csv in " + folder.string() + ": drawn without true boxes");
+    note("the truth has no objects.csv: drawn without true boxes");
     return truth;
   }
   for (const auto& sample : io::readTrackCsv(objects)) {
@@ -272,7 +272,7 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   if (has_tracks) {
     samples = readSamples(folder / "tracks.csv", times, path.poses, options.max_boxes, note);
   } else {
-    note("no tracks.csv in " + folder.string() + ": drawn without tracks");
+    note("no tracks.csv: drawn without tracks");
   }
   auto frames = indexedFrames(folder, path, samples);
   const auto to_final = corrections(folder / "trajectory_online.tum", times, frames);
@@ -287,7 +287,7 @@ std::vector<ReplayFrame> readReplayFrames(const fs::path& folder, const ReplayFr
   if (fs::exists(folder / "predictions.csv")) {
     addPredictions(folder / "predictions.csv", times, options.horizon_step_s, frames);
   } else if (has_tracks) {
-    note("no predictions.csv in " + folder.string() + ": drawn without predictions");
+    note("no predictions.csv: drawn without predictions");
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].tracks = transformed(std::move(frames[i].tracks), to_final[i]);

@@ -6,6 +6,7 @@
 #include <headway/core/output_file.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/rawlog_source.h>
+#include <headway/io/trajectory_file.h>
 #include <headway/report/replay_page.h>
 #include <openssl/evp.h>
 
@@ -171,6 +172,11 @@ Json classesJson() {
     classes.push_back({displayName(object_class), hex(colourOf(object_class))});
   }
   return classes;
+}
+
+/// Notes that a page shows some of very many.
+void noteRest(std::size_t shown, std::size_t all, const std::string& what, const Note& note) {
+  if (shown < all) note("of " + grouped(all) + " " + what + " " + grouped(shown) + " are shown");
 }
 
 Json cameraJson(const fs::path& calibration) {
@@ -398,9 +404,11 @@ Json boundsJson(const PackedPoints& points) {
 
 /// Writes the points of a file, and returns what the page needs to read them.
 Json writePoints(std::ostream& out, const fs::path& path, std::size_t max_points,
-                 const std::string& id) {
+                 const std::string& id, const Note& left_out) {
   if (!fs::exists(path)) return nullptr;
   const PackedPoints points = packed(readPoints(path, max_points));
+  noteRest(points.count, countPoints(path), id == "dense" ? "points of the dense map" : id,
+           left_out);
   startBlock(out, id, "text/plain") << base64(points.bytes) << kEndBlock;
   return boundsJson(points);
 }
@@ -427,19 +435,35 @@ bool endedEarly(const fs::path& folder) {
   return reason != summary.end() && reason->is_string();
 }
 
+/// The number of poses in the folder's trajectory.
+std::size_t countPoses(const fs::path& folder) {
+  std::size_t poses = 0;
+  io::visitTum(folder / "trajectory.tum", [&](const Stamped<Pose>&) { ++poses; });
+  return poses;
+}
+
 /// @param written  title, and bounds of the points that are written already
+/// @param left_out  receives what the page is to say of itself
 void writeData(std::ostream& out, const fs::path& folder, const ReplayPageOptions& options,
-               const Json& written, const Note& note) {
+               const Json& written, const Note& left_out, const Note& note) {
+  const Note both = [&](const std::string& text) {
+    left_out(text);
+    note(text);
+  };
   ReplayFrameOptions reading;
   reading.max_frames = kLimits.frames;
   reading.past_s = 0.0;
   reading.horizon_step_s = 0.5;
   reading.max_boxes = kLimits.boxes;
-  auto frames = readReplayFrames(folder, reading, note);
-  keepNearestPredictions(frames, note);
+  auto frames = readReplayFrames(folder, reading, both);
+  keepNearestPredictions(frames, both);
   ReplayTruth truth;
-  if (!options.truth.empty()) truth = readReplayTruth(options.truth, frames, note);
-  Json data = pageData(folder, frames, truth, options.keyframes, note);
+  if (!options.truth.empty()) truth = readReplayTruth(options.truth, frames, both);
+  Json data = pageData(folder, frames, truth, options.keyframes, both);
+  const std::size_t poses = countPoses(folder);
+  noteRest(frames.size(), poses, "frames", left_out);
+  if (!options.images.empty()) noteRest(options.images.size(), poses, "camera images", left_out);
+  noteRest(data["keyframes"].size(), options.keyframes.size(), "keyframes", left_out);
   data.update(written);
   writePageData(startBlock(out, "data", "application/json"), data, frames);
   out << kEndBlock;
@@ -457,12 +481,14 @@ void writePage(std::ostream& out, const fs::path& folder, const ReplayPageOption
       << "\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>"
       << escaped(title) << " – headway replay</title><style>" << style << "</style></head><body>\n"
       << kPageBody;
-  Json written = {{"title", title}};
-  written["dense"] = writePoints(out, folder / "map_dense.ply", kLimits.dense_points, "dense");
+  Json written = {{"title", title}, {"left_out", Json::array()}};
+  const Note left_out = [&](const auto& text) { written["left_out"].push_back(text); };
+  written["dense"] =
+      writePoints(out, folder / "map_dense.ply", kLimits.dense_points, "dense", left_out);
   written["landmarks"] =
-      writePoints(out, folder / "map_points.ply", kLimits.landmarks, "landmarks");
+      writePoints(out, folder / "map_points.ply", kLimits.landmarks, "landmarks", left_out);
   writeImages(out, options.images);
-  writeData(out, folder, options, written, note);
+  writeData(out, folder, options, written, left_out, note);
   out << "<!-- three.js r" << kThreeRevision
       << ", MIT licence, Copyright 2010-2019 three.js authors -->\n<script>" << three
       << "</script>\n<script>" << script << "</script>\n</body></html>\n";

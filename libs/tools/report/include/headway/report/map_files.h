@@ -37,6 +37,11 @@ struct ColouredPoint {
 [[nodiscard]] std::vector<ColouredPoint> readPoints(const std::filesystem::path& path,
                                                     std::size_t max_points);
 
+/// The number of points that such a file says it has.
+///
+/// @throws InputError if the file has another format
+[[nodiscard]] std::size_t countPoints(const std::filesystem::path& path);
+
 /// Reads the grid's description that headway-replay writes beside its picture; nullopt if there is
 /// none.
 ///
