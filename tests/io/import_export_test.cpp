@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The programs headway-import and headway-export, run as a user runs them.
+extern "C" {
+#include <libavformat/avformat.h>
+}
+
 #include <gmock/gmock.h>
 #include <headway/io/calibration_file.h>
 #include <headway/io/dataset.h>
@@ -361,6 +365,50 @@ TEST_F(ImportExportTest, VideosAreReadWithTheTimesOfTheirContainer) {
                      at("c.yaml") + " -w -o " + at("x.rawlog"))
                   .output,
               HasSubstr("no.mp4: is a Git-LFS pointer"));
+}
+
+/// Copies a video, its image i shown at `timeOf(i)` [s].
+void copyWithTimes(const std::string& from, const std::string& to,
+                   const std::function<double(int)>& timeOf) {
+  AVFormatContext *in = nullptr, *out = nullptr;
+  ASSERT_EQ(0, avformat_open_input(&in, from.c_str(), nullptr, nullptr));
+  ASSERT_LE(0, avformat_find_stream_info(in, nullptr));
+  ASSERT_LE(0, avformat_alloc_output_context2(&out, nullptr, nullptr, to.c_str()));
+  AVStream* stream = avformat_new_stream(out, nullptr);
+  ASSERT_LE(0, avcodec_parameters_copy(stream->codecpar, in->streams[0]->codecpar));
+  stream->codecpar->codec_tag = 0;
+  ASSERT_LE(0, avio_open(&out->pb, to.c_str(), AVIO_FLAG_WRITE));
+  ASSERT_LE(0, avformat_write_header(out, nullptr));
+  AVPacket* packet = av_packet_alloc();
+  const auto ticksOf = [&](int i) {
+    return std::llround(timeOf(i) * stream->time_base.den / stream->time_base.num);
+  };
+  for (int i = 0; av_read_frame(in, packet) >= 0; ++i) {
+    packet->pts = packet->dts = ticksOf(i);
+    packet->duration = ticksOf(i + 1) - ticksOf(i);
+    ASSERT_LE(0, av_interleaved_write_frame(out, packet));
+  }
+  ASSERT_LE(0, av_write_trailer(out));
+  av_packet_free(&packet);
+  avio_closep(&out->pb);
+  avformat_free_context(out);
+  avformat_close_input(&in);
+}
+
+TEST_F(ImportExportTest, ImagesOfAVideoMayComeAtAnyRate) {
+  std::ofstream(at("c.yaml")) << "image_size: [160, 120]\nleft: [100, 100, 79.5, 59.5]\n"
+                                 "baseline_m: 0.2\n";
+  writeVideo(at("even.mp4"), "mp4v", "both");
+  const auto time = [](int i) { return 0.05 * i + 0.004 * i * i; };  // as in ever worse light
+  copyWithTimes(at("even.mp4"), at("uneven.mp4"), time);
+  const auto result =
+      import("images --left " + at("uneven.mp4") + " --side-by-side --calibration " + at("c.yaml") +
+             " -o " + at("x.rawlog"));
+  ASSERT_EQ(0, result.status) << result.output;
+  EXPECT_THAT(result.output, Not(HasSubstr("times_assumed")));
+  const auto frames = test::framesOf(at("x.rawlog"));
+  ASSERT_EQ(20u, frames.size()) << result.output;
+  for (int i = 0; i < 20; ++i) EXPECT_NEAR(time(i), frames[i].time - frames[0].time, 1e-3) << i;
 }
 
 TEST_F(ImportExportTest, PairsThatDoNotMatchAreRefusedAsByAReplay) {
