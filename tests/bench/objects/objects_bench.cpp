@@ -5,11 +5,11 @@
 //
 //     HEADWAY_DATA=DATA bench_objects [--benchmark_filter=predict|wholeLayer|kittiTracking]
 
-#include <banded_system.h>
 #include <benchmark/benchmark.h>
 #include <headway/io/dataset.h>
 #include <headway/objects/moving_object_tracker.h>
 #include <headway/objects/predictor.h>
+#include <motion_prior.h>
 
 #include <Eigen/SparseCholesky>
 #include <chrono>
