@@ -135,8 +135,10 @@ std::string lineOf(const Json& json) {
 }
 
 /// The newest frame as a program asks for it, and whether all is well.
-std::pair<std::string, bool> healthOf(const LiveView* view) {
-  if (view == nullptr) return {lineOf({{"status", "waiting"}, {"age_s", nullptr}}), false};
+std::pair<std::string, bool> healthOf(const LiveView* view, const Json& sensors) {
+  if (view == nullptr) {
+    return {lineOf({{"status", "waiting"}, {"age_s", nullptr}, {"sensors", sensors}}), false};
+  }
   const auto& camera = view->update.camera;
   const double age_s = ageOf(view->arrival_s);
   const Json json = {{"status", slam::toString(camera.status)},
@@ -146,7 +148,7 @@ std::pair<std::string, bool> healthOf(const LiveView* view) {
                      {"latency_s", view->latency_s},
                      {"dropped", view->dropped},
                      {"left_out", view->left_out},
-                     {"sensors", sensorsJson(view->sensors)},
+                     {"sensors", sensors},
                      {"warnings", warningsJson(view->warnings)}};
   return {lineOf(json), slam::isTracked(camera.status) && age_s <= kMaxAge_s};
 }
@@ -155,8 +157,8 @@ std::pair<std::string, bool> healthOf(const LiveView* view) {
 ///
 /// @param pictures      that are served; null: none yet
 /// @param grid_version  of the picture of the occupancy grid
-std::string jsonOf(const LiveView& view, const LivePictures* pictures, const DrivenPath& path,
-                   std::size_t grid_version) {
+std::string jsonOf(const LiveView& view, const Json& sensors, const LivePictures* pictures,
+                   const DrivenPath& path, std::size_t grid_version) {
   const auto& camera = view.update.camera;
   const auto& place = camera.T_map_robot.translation();
   Json json = {{"frame", view.update.frame},
@@ -172,7 +174,7 @@ std::string jsonOf(const LiveView& view, const LivePictures* pictures, const Dri
                {"left_out", view.left_out},
                {"tracks", Json::array()},
                {"path", Json::array()},
-               {"sensors", sensorsJson(view.sensors)},
+               {"sensors", sensors},
                {"warnings", warningsJson(view.warnings)}};
   if (pictures != nullptr) {
     json["pictures"] = {{"frame", pictures->frame.index},
@@ -269,7 +271,7 @@ class LivePage::Implementation {
     if (options.health_port) {
       health_.emplace(kLocal, "");
       health_->get("/health", [this] {
-        const auto [text, is_well] = healthOf(views().first.get());
+        const auto [text, is_well] = healthOf(views().first.get(), sensors());
         return answerOf(text + "\n", "application/json", is_well ? 200 : 503);
       });
       health_->start(*options.health_port, "--health");
@@ -283,6 +285,11 @@ class LivePage::Implementation {
 
   std::string url() const { return page_ ? page_->url() : ""; }
   std::string healthUrl() const { return health_ ? health_->url() + "health" : ""; }
+
+  void watch(SensorStates sensors) {
+    const std::lock_guard lock(sensors_mutex_);
+    sensors_ = std::move(sensors);
+  }
 
   void show(LiveView view) {
     auto next = std::make_shared<const LiveView>(std::move(view));
@@ -319,22 +326,30 @@ class LivePage::Implementation {
     });
   }
 
-  /// The next event after view number `sent`, at most ten a second, or after a second a comment, so
-  /// that a browser that has gone is noticed; empty if it is not time yet.
+  /// The next event after view number `sent`, at most ten a second, or after a second the sensors
+  /// alone, by which a browser that has gone is noticed, too; empty if it is not time yet.
   std::string nextEvent(std::size_t& sent, double& sent_s) const {
     const double passed_s = monotonicSeconds() - sent_s;
     std::unique_lock lock(mutex_);
     const bool is_new = views_ != sent;
     if (passed_s < (is_new ? 0.1 : 1.0)) return {};
     sent_s += passed_s;
-    if (!is_new) return ":\n\n";
+    if (!is_new) {
+      lock.unlock();
+      return "event: sensors\ndata: " + lineOf(sensors()) + "\n\n";
+    }
     sent = views_;
     const auto view = view_;
     const auto pictures = pictures_;
     const DrivenPath path = path_;
     const std::size_t grid_version = grid_version_;
     lock.unlock();
-    return "data: " + jsonOf(*view, pictures.get(), path, grid_version) + "\n\n";
+    return "data: " + jsonOf(*view, sensors(), pictures.get(), path, grid_version) + "\n\n";
+  }
+
+  Json sensors() const {
+    const std::lock_guard lock(sensors_mutex_);
+    return sensorsJson(sensors_ ? sensors_() : std::vector<drivers::SensorStatus>());
   }
 
   /// What is shown and drawn; null: nothing yet.
@@ -343,6 +358,8 @@ class LivePage::Implementation {
     return {view_, pictures_};
   }
 
+  mutable std::mutex sensors_mutex_;
+  SensorStates sensors_;  // guarded by sensors_mutex_, also while it is called
   mutable std::mutex mutex_;
   std::shared_ptr<const LiveView> view_;  // guarded by mutex_, like the members below
   std::shared_ptr<const LivePictures> pictures_;
@@ -364,6 +381,8 @@ void LivePage::end() { implementation_->end(); }
 std::string LivePage::url() const { return implementation_->url(); }
 
 std::string LivePage::healthUrl() const { return implementation_->healthUrl(); }
+
+void LivePage::watch(SensorStates sensors) { implementation_->watch(std::move(sensors)); }
 
 void LivePage::show(LiveView view) { implementation_->show(std::move(view)); }
 

@@ -6,6 +6,7 @@
 #include <headway/map/perception_map.h>
 #include <headway/pipeline/perception.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,9 +30,11 @@ struct LiveView {
   std::size_t frames = 0;  ///< processed so far
   std::size_t dropped = 0;
   std::string left_out;  ///< because of the load; or empty
-  std::vector<drivers::SensorStatus> sensors;
   Warnings warnings;
 };
+
+/// Asks for the state of all sensors, from any thread.
+using SensorStates = std::function<std::vector<drivers::SensorStatus>()>;
 
 /// What the page draws of one frame.
 struct LivePictures {
@@ -70,6 +73,9 @@ class LivePage {
   [[nodiscard]] std::string url() const;
   [[nodiscard]] std::string healthUrl() const;  ///< empty without one
 
+  /// Shows the sensors as they are when a client asks, with or without frames; empty: none. After
+  /// it has returned, those of before are not asked any more.
+  void watch(SensorStates sensors);
   /// Replaces the figures that are shown. Never waits for a browser.
   void show(LiveView view);
   /// Replaces the pictures likewise.

@@ -375,9 +375,6 @@ std::string StatusLine::text() {
   return line.data() + (last_->left_out.empty() ? "" : "; " + last_->left_out);
 }
 
-/// State of all sensors: MRPT's drivers and topics.
-using SensorStates = std::function<std::vector<drivers::SensorStatus>()>;
-
 /// Frames of the sensors, with the messages of ROS 2 that were not used.
 class LiveFrames : public run::SensorFrames {
  public:
@@ -398,8 +395,7 @@ class LiveFrames : public run::SensorFrames {
 /// Shows the figures of each frame on the page, under any load.
 class PageSink : public run::Sink {
  public:
-  PageSink(live::LivePage& page, const replay::Replay& run, SensorStates sensors)
-      : page_(page), run_(run), sensors_(std::move(sensors)) {}
+  PageSink(live::LivePage& page, const replay::Replay& run) : page_(page), run_(run) {}
 
   void onFrame(const run::FrameResult& result, pipeline::Perception& /*perception*/) override {
     live::LiveView view;
@@ -410,7 +406,6 @@ class PageSink : public run::Sink {
     view.frames = result.frames;
     view.dropped = result.source.dropped;
     view.left_out = result.left_out;
-    view.sensors = sensors_();
     view.warnings = run_.summary().warnings;
     page_.show(std::move(view));
   }
@@ -418,7 +413,6 @@ class PageSink : public run::Sink {
  private:
   live::LivePage& page_;
   const replay::Replay& run_;
-  SensorStates sensors_;
 };
 
 /// Shows images and map on the page where there is time.
@@ -484,7 +478,9 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     if (sensors) has_blocked = !sensors->stop();
   });
   const auto recording_end = closeAtEnd(recorder.get());  // first: a driver may block
-  const SensorStates states = [&] { return statesOf(sensors.get(), ros2 ? &*ros2 : nullptr); };
+  const live::SensorStates states = [&] {
+    return statesOf(sensors.get(), ros2 ? &*ros2 : nullptr);
+  };
   if (options.ros2.isUsed()) {
     ros2.emplace(options.ros2, sensors != nullptr, options.calibration, options.pair_tolerance_s,
                  live::Ros2Connection::Callbacks{add, warn, states});
@@ -492,6 +488,10 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     ros2->start();
   }
   const auto before_sensors = stopAtEnd(ros2);  // of which it speaks
+  if (page) page->watch(states);
+  const std::shared_ptr<void> watch_end(nullptr, [&](void*) {
+    if (page) page->watch({});
+  });
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
   status.setTopics(topics);
   if (sensors && !program::interrupted()) sensors->start();
@@ -511,7 +511,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   std::optional<PictureSink> pictures;
   std::optional<PageSink> shown;
   if (page && options.show_port) pipeline.add(pictures.emplace(*page));
-  if (page) pipeline.add(shown.emplace(*page, pipeline, states));
+  if (page) pipeline.add(shown.emplace(*page, pipeline));
   pipeline.run();
   if (ros2) ros2->stop();
   if (recorder) recorder->close();

@@ -49,12 +49,16 @@ LiveView exampleView(std::size_t frame) {
   view.update.objects.tracks = {track};
   view.latency_s = 0.045;
   view.frames = frame + 1;
+  addWarning("x", frame, "<script>alert(1)</script>", view.warnings);
+  return view;
+}
+
+/// A laser that failed.
+std::vector<drivers::SensorStatus> failedLaser() {
   drivers::SensorStatus sensor;
   sensor.name = "LASER";
   sensor.error = "the plug was pulled";
-  view.sensors = {sensor};
-  addWarning("x", frame, "<script>alert(1)</script>", view.warnings);
-  return view;
+  return {sensor};
 }
 
 class LivePageTest : public ::testing::Test {
@@ -103,6 +107,7 @@ TEST_F(LivePageTest, ServesThePageWithAStrictPolicyAndNothingFromElsewhere) {
 
 TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   LivePage page({});
+  page.watch(failedLaser);
   page.show(exampleView(3));
   page.draw(examplePictures(4));
   page.show(exampleView(4));
@@ -123,6 +128,19 @@ TEST_F(LivePageTest, EventsAndPicturesShowTheNewestView) {
   const cv::Mat cells = cv::imdecode(png, cv::IMREAD_UNCHANGED);
   EXPECT_EQ(4, cells.channels());
   EXPECT_EQ(1, cv::countNonZero(cv::Mat(cells.reshape(1, cells.rows * cells.cols).col(3))));
+}
+
+TEST_F(LivePageTest, SensorsAreShownWithoutFrames) {
+  LivePage page({});
+  page.watch(failedLaser);
+  test::Connection connection("127.0.0.1", portOf(page));
+  connection.send(test::httpRequest("/events", "127.0.0.1:" + std::to_string(portOf(page))));
+  std::string text;
+  EXPECT_TRUE(test::waitUntil([&] {
+    text += connection.receive(0).value_or("");
+    return text.find("event: sensors\ndata: [{") != std::string::npos &&
+           text.find("the plug was pulled") != std::string::npos;
+  })) << text;
 }
 
 TEST_F(LivePageTest, ALargeGridIsShownSmallerWithAllThatIsOccupied) {
@@ -170,6 +188,8 @@ TEST_F(LivePageTest, HealthIsGoodWhileTrackedAndNoOlderThanASecond) {
     return nlohmann::json::parse(response.body);
   };
   EXPECT_EQ("waiting", health(503).at("status"));
+  page.watch(failedLaser);
+  EXPECT_EQ("the plug was pulled", health(503).at("sensors")[0].at("error")) << "before any frame";
   LiveView view = exampleView(3);
   view.update.camera.submap = 2;
   view.update.camera.status = slam::TrackingStatus::kTrackedInNewSubmap;
@@ -180,6 +200,8 @@ TEST_F(LivePageTest, HealthIsGoodWhileTrackedAndNoOlderThanASecond) {
   EXPECT_LT(json.at("age_s"), 1.0);
   EXPECT_EQ(0.045, json.at("latency_s"));
   EXPECT_EQ("the plug was pulled", json.at("sensors")[0].at("error"));
+  page.watch({});
+  EXPECT_TRUE(health(200).at("sensors").empty()) << "as it is now";
   EXPECT_EQ(1u, json.at("warnings").size());
   for (const auto status : {slam::TrackingStatus::kUnreliable, slam::TrackingStatus::kLost}) {
     view.update.camera.status = status;

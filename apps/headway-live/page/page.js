@@ -8,7 +8,7 @@ const arrivals = [];
 let image = null;
 let grid = {version: -1, picture: null, bounds: null};
 let busy = false;
-let drawn = null;  // frame of the pictures
+let drawn = null;  // the frame of the pictures, and when it came
 let last = null;
 let lastAt = 0;  // when it came
 let metres = 30;  // across the shorter side of the map
@@ -96,9 +96,10 @@ function showAges() {
     }
   }
   const pictures = last.pictures;
-  const isOld = pictures && pictures.frame !== last.frame;
+  const oldness = drawn ? performance.now() - drawn.cameAt : 0;
+  const isOld = drawn && pictures && (pictures.frame !== last.frame || oldness > maxAge);
   byId('pictures').textContent = !isOld ? '' :
-      `picture and map of frame ${pictures.frame}, ${seconds(ageOf(pictures.age_ms))} old` +
+      `picture and map of frame ${drawn.frame}, ${seconds(oldness)} old` +
       (last.left_out ? ` (load: ${last.left_out})` : '');
 }
 
@@ -126,10 +127,10 @@ function showFigures(state) {
   }));
 }
 
-function showHealth(state) {
+function showSensors(sensors) {
   const head = document.createElement('tr');
   for (const name of ['sensor', 'state', 'observations', 'restarts']) head.append(element('th', name));
-  fill(byId('sensors'), [head, ...state.sensors.map((sensor) => {
+  fill(byId('sensors'), [head, ...sensors.map((sensor) => {
     const row = document.createElement('tr');
     row.append(element('td', sensor.name),
                element('td', sensor.running ? 'running' : sensor.error || 'stopped',
@@ -137,6 +138,9 @@ function showHealth(state) {
                element('td', sensor.observations), element('td', sensor.restarts));
     return row;
   })]);
+}
+
+function showWarnings(state) {
   const warnings = state.warnings.map((text) => element('li', text));
   fill(byId('warnings'), warnings.length ? warnings : [element('li', 'no warnings', 'none')]);
 }
@@ -152,18 +156,20 @@ async function update(state) {
   if (arrivals.length > 20) arrivals.shift();
   showFigures(state);
   showAges();
-  showHealth(state);
+  showSensors(state.sensors);
+  showWarnings(state);
   redraw();
   const pictures = state.pictures;
-  if (busy || !pictures || pictures.frame === drawn) return;
+  if (busy || !pictures || (drawn && pictures.frame === drawn.frame)) return;
   busy = true;
+  const cameAt = lastAt - pictures.age_ms;
   try {
-    if (pictures.has_image) image = await load(`image.jpg?frame=${pictures.frame}`);
+    image = pictures.has_image ? await load(`image.jpg?frame=${pictures.frame}`) : null;
     if (pictures.grid && pictures.grid.version !== grid.version) {
       const picture = await load(`grid.png?version=${pictures.grid.version}`);
       grid = {version: pictures.grid.version, picture, bounds: pictures.grid};
     }
-    drawn = pictures.frame;
+    drawn = {frame: pictures.frame, cameAt};
   } catch (error) {
     // The picture is drawn with the next event.
   } finally {
@@ -182,6 +188,7 @@ function redraw() {
 
 const events = new EventSource('events');
 events.onmessage = (event) => update(JSON.parse(event.data));
+events.addEventListener('sensors', (event) => showSensors(JSON.parse(event.data)));
 events.onerror = () => showState('no connection', 'gone');
 setInterval(showAges, 200);
 window.addEventListener('resize', redraw);
