@@ -305,6 +305,20 @@ TEST(DetectionStageTest, ImagesReplaceRecordedBoxesThatStopUntilTheyReturn) {
   EXPECT_FALSE(step(10, false).detectors_run);
 }
 
+TEST(DetectionStageTest, ShapesAreLookedForOnRobotsAlsoWhenTheFloorShowsLaterThatItIsOne) {
+  const PaintedStreet street({});
+  DetectionStage stage(street.camera(), paramsFor("auto"));
+  EXPECT_FALSE(stage.looksForShapes()) << "1.65 m high, as of a car";
+  auto low = std::make_shared<StereoCamera>(*street.camera());
+  low->T_robot_cam.translation().z() = 0.6;
+  stage.remount(low);
+  EXPECT_TRUE(stage.looksForShapes());
+  stage.remount(street.camera());
+  EXPECT_FALSE(stage.looksForShapes());
+  EXPECT_TRUE(DetectionStage(street.camera(), paramsFor("shape")).looksForShapes()) << "asked for";
+  EXPECT_FALSE(DetectionStage(low, paramsFor("stereo_motion")).looksForShapes());
+}
+
 TEST(DetectionStageTest, FramesWithoutImagesTakeNoTurnOfTheDetectors) {
   const PaintedStreet street({kMoving});
   DetectionParams params = paramsFor("stereo_motion");

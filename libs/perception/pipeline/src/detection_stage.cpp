@@ -82,9 +82,8 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
     if (name == kMotionDetector) {
       stereo_motion_.emplace(camera_, params.detect.stereo_motion);
     } else if (name == kShapeDetector) {
-      // On real streets it takes edges of vehicles for people now and then: unasked on robots only.
-      const bool is_robot = stereo::rigCapability(*camera_).meets_drops;
-      if (is_robot || !automatic_) shape_.emplace(params.detect.shape);
+      shape_params_ = params.detect.shape;
+      mountShape();
     } else {
       detectors_.push_back(detect::makeDetector(name, params.detect));
     }
@@ -92,6 +91,14 @@ DetectionStage::DetectionStage(std::shared_ptr<const StereoCamera> camera,
 }
 
 DetectionStage::~DetectionStage() = default;
+
+/// On real streets it takes edges of vehicles for people now and then: unasked on robots only.
+void DetectionStage::mountShape() {
+  const bool is_robot = stereo::rigCapability(*camera_).meets_drops;
+  const bool is_wanted = shape_params_ && (is_robot || !automatic_);
+  if (!is_wanted) shape_.reset();
+  if (is_wanted && !shape_) shape_.emplace(*shape_params_);
+}
 
 void DetectionStage::addRecorded(const RecordedFrame& frame, ObjectDetections& boxes) {
   if (frame.detections) {
@@ -119,6 +126,7 @@ void DetectionStage::restart() {
 void DetectionStage::remount(std::shared_ptr<const StereoCamera> camera) {
   camera_ = std::move(camera);
   if (stereo_motion_) stereo_motion_.emplace(camera_, stereo_motion_params_);
+  mountShape();
 }
 
 bool DetectionStage::isDue(Time time) {

@@ -85,14 +85,18 @@ class DetectionStage {
   void restart();
   /// The camera is mounted otherwise: discards what moved before.
   void remount(std::shared_ptr<const StereoCamera> camera);
+  /// Whether people are looked for by their shape: if asked for, or on a robot.
+  [[nodiscard]] bool looksForShapes() const { return shape_.has_value(); }
 
  private:
   /// Whether image detectors are due in a frame: the one nearest to the end of the period.
   [[nodiscard]] bool isDue(Time time);
   void addRecorded(const RecordedFrame& frame, ObjectDetections& boxes);
+  void mountShape();
 
   std::shared_ptr<const StereoCamera> camera_;
   detect::StereoMotionParams stereo_motion_params_;
+  std::optional<detect::ShapeParams> shape_params_;  ///< nullopt: not a detector here
   double recorded_timeout_s_ = 0.0;
   std::optional<Time> last_recorded_;  ///< of the newest recorded boxes
   bool use_recorded_ = false;

@@ -42,7 +42,7 @@ class PeopleByShape {
   [[nodiscard]] Detections detect(const stereo::FrameContext& context);
 
   /// To which distance shapes are told apart [m]: by stereo where the standard deviation of a depth
-  /// is 0.12 m, 12 m at most; by a depth camera 5 m.
+  /// is 0.12 m, 12 m at most; by a depth camera 4 m.
   [[nodiscard]] static double rangeOf(const StereoCamera& camera);
 
  private:
