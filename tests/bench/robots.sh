@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Measures what small rigs see in the worlds for robots: moving objects, the occupancy grid, and people.
+# Measures what small rigs see in the worlds for robots, by images alone: moving objects, the occupancy grid, and people.
 #   [SEEDS="11 12 13"] [FRAMES=120] tests/bench/robots.sh [OUT]
 # OUT (default out/robots) contains rawlogs and results; existing rawlogs are reused.
 set -euo pipefail
@@ -20,6 +20,12 @@ recorded() {
 
 # figures WORLD RIG KIND: the figures of all seeds
 figures() { for seed in $seeds; do echo "$out/$1-$2-$seed.$3.json"; done; }
+
+# replayed NAME: the results of the recording NAME, without the boxes in it, and its figures of people
+replayed() {
+  $bin/headway-replay -q -w -i "$out/$1.rawlog" -o "$out/$1" --snapshots 0 --detector stereo_motion+shape
+  $bin/headway-eval people -q -w "$out/$1" --truth "$out/$1.truth" --json "$out/$1.people.json"
+}
 
 for world in yard-loop hall campus warehouse; do
   for rig in robot small rgbd; do
@@ -49,9 +55,8 @@ for world in yard-loop hall campus warehouse; do
   for rig in robot small rgbd; do
     for seed in $seeds; do
       name=$world-$rig-$seed
-      $bin/headway-replay -q -w -i "$out/$name.rawlog" -o "$out/$name" --snapshots 0
+      replayed "$name"
       $bin/headway-eval grid -q -w --truth "$out/$name.truth" --estimate "$out/$name" --json "$out/$name.grid.json"
-      $bin/headway-eval people -q -w "$out/$name" --truth "$out/$name.truth" --json "$out/$name.people.json"
     done
     python3 tests/bench/robots_grid.py "$world, $rig" $(figures $world $rig grid)
   done
@@ -67,3 +72,5 @@ for world in yard-loop hall campus warehouse; do
     python3 tests/bench/robots_people.py "$world, $rig" $(figures $world $rig people)
   done
 done
+for seed in ${EMPTY_SEEDS:-31 32}; do replayed "empty-$seed"; done
+python3 tests/bench/robots_people.py "empty halls, robot" "$out"/empty-*.people.json
