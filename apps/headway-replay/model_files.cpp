@@ -133,8 +133,8 @@ void getModel(const std::string& name, bool quiet) {
   if (folder.empty()) throw InputError("--get-model: neither XDG_DATA_HOME nor HOME is set");
   const fs::path file = folder / model.file;
   const char* mirror = std::getenv("HEADWAY_MODELS_MIRROR");
-  const std::string url =
-      std::string(mirror != nullptr ? mirror : model.release) + "/" + model.file;
+  const bool has_mirror = mirror != nullptr && *mirror != '\0';
+  const std::string url = std::string(has_mirror ? mirror : model.release) + "/" + model.file;
   if (!quiet) {
     std::printf("%s: licence %s, %.1f MB, from %s\n", model.name, model.licence,
                 1e-6 * static_cast<double>(model.bytes), printable(url).c_str());
@@ -151,8 +151,8 @@ void getModel(const std::string& name, bool quiet) {
   fs::create_directories(folder, failed);
   if (failed) throw InputError(folder.string() + ": cannot be made: " + failed.message());
   const PartialFile part(folder / (std::string(model.file) + "." + std::to_string(getpid())));
-  const int status = runCurl({"--fail", "--location", "--silent", "--proto",
-                              mirror != nullptr ? "=http,https" : "=https", "--max-filesize",
+  const int status = runCurl({"--disable", "--fail", "--location", "--silent", "--proto",
+                              has_mirror ? "=http,https" : "=https", "--max-filesize",
                               std::to_string(model.bytes), "--connect-timeout", "20", "--max-time",
                               "600", "--output", part.path().string(), "--url", url});
   if (status != 0) {
