@@ -84,6 +84,27 @@ TEST(NavProgramTest, JobsDoNotChangeTheResults) {
   EXPECT_EQ(figures[0], figures[1]);
 }
 
+TEST(NavProgramTest, DrivesThroughAWorldByEachSenseRigAndLayer) {
+  const TemporaryFolder folder;
+  const std::string json = folder / "figures.json", worst = folder / "worst.png";
+  const std::string call = program("headway-nav") +
+                           " -w -q --world hall --seed 5 --set robot.time_limit_s=1 --set "
+                           "robot.planning_rate_hz=5 --json " +
+                           json;
+  for (const std::string& options :
+       {"--trials 2 --rig robot --sense truth --policy static --jobs 2 --worst " + worst,
+        std::string("--trials 1 --rig small --sense images --layer map --policy time_gated"),
+        std::string("--trials 1 --rig rgbd --sense images --policy time_gated")}) {
+    const auto run = runProcess(call + " " + options);
+    ASSERT_EQ(run.status, 0) << options << ": " << run.output;
+    const auto figures = nlohmann::json::parse(contentsOf(json)).front();
+    EXPECT_EQ(figures.at("trials"), figures.at("drives").size()) << options;
+    EXPECT_EQ(figures.at("drives")[0].at("seed"), 5) << options;
+    EXPECT_NEAR(figures.at("drives")[0].at("time_s"), 1.0, 0.01) << options;
+  }
+  EXPECT_GT(std::filesystem::file_size(worst), 10000u);
+}
+
 TEST(NavProgramTest, RefusesFilesThatExist) {
   const TemporaryFolder folder;
   const std::string json = folder / "figures.json";
