@@ -450,6 +450,23 @@ std::shared_ptr<void> stopAtEnd(std::optional<live::Ros2Connection>& ros2) {
           }};
 }
 
+/// The same of drivers.
+///
+/// @param has_blocked  whether one's thread goes on
+std::shared_ptr<void> stopAtEnd(std::unique_ptr<drivers::SensorGroup>& sensors, bool& has_blocked) {
+  return {nullptr, [&](void*) {
+            if (sensors) has_blocked = !sensors->stop();
+          }};
+}
+
+/// Lets a page, if there is one, show the sensors until the end of a scope.
+std::shared_ptr<void> watchUntilEnd(live::LivePage* page, live::SensorStates states) {
+  if (page != nullptr) page->watch(std::move(states));
+  return {nullptr, [page](void*) {
+            if (page != nullptr) page->watch({});
+          }};
+}
+
 /// Runs sensors and pipeline until they are interrupted.
 ///
 /// @param has_blocked  becomes true if a driver's thread goes on after its end
@@ -474,9 +491,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
   StatusLine status(quiet, source, page.get(), options.pair_tolerance_s);
   std::unique_ptr<drivers::SensorGroup> sensors;
   if (!options.sensors.empty()) sensors = makeSensors(options.sensors, deliver);
-  const std::shared_ptr<void> sensors_end(nullptr, [&](void*) {
-    if (sensors) has_blocked = !sensors->stop();
-  });
+  const auto sensors_end = stopAtEnd(sensors, has_blocked);
   const auto recording_end = closeAtEnd(recorder.get());  // first: a driver may block
   const live::SensorStates states = [&] {
     return statesOf(sensors.get(), ros2 ? &*ros2 : nullptr);
@@ -488,10 +503,7 @@ void runLive(const LiveOptions& options, bool quiet, const pipeline::PerceptionP
     ros2->start();
   }
   const auto before_sensors = stopAtEnd(ros2);  // of which it speaks
-  if (page) page->watch(states);
-  const std::shared_ptr<void> watch_end(nullptr, [&](void*) {
-    if (page) page->watch({});
-  });
+  const auto watching = watchUntilEnd(page.get(), states);
   live::Ros2Connection* topics = ros2 ? &*ros2 : nullptr;
   status.setTopics(topics);
   if (sensors && !program::interrupted()) sensors->start();
