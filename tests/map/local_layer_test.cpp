@@ -148,7 +148,7 @@ TEST(LocalLayerTest, WhatLeavesTheViewBlocksForAsLongAsCautionAsks) {
   frames.see(Scene());
   for (const double y : {1.2, 1.4, 1.6}) frames.see({{{2.0, y}}}, 3);  // the view ends at 1.8 m
   frames.see(Scene());
-  EXPECT_EQ(LocalState::kUnknown, frames.at(2.0, 2.1));
+  EXPECT_EQ(LocalState::kEntered, frames.at(2.0, 2.1));
   EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1, 0.0)) << "without caution";
   EXPECT_EQ(LocalState::kNotInView, frames.at(-2.0, -2.0)) << "farther than a person walks";
   EXPECT_EQ(LocalState::kFree, frames.at(2.0, 0.0)) << "it is seen to be free";
@@ -164,12 +164,12 @@ TEST(LocalLayerTest, WhoWalksPastIsSoonBehind) {
     frames.see({{{ahead, 0.6}, {ahead, 0.7}, {ahead, 0.8}}}, 1);
   }
   frames.see(Scene(), 3);
-  EXPECT_EQ(LocalState::kUnknown, frames.at(0.6, 0.7)) << "where they are next";
+  EXPECT_EQ(LocalState::kEntered, frames.at(0.6, 0.7)) << "where they are next";
   frames.see(Scene(), 7);
   EXPECT_EQ(LocalState::kFree, frames.at(0.45, 0.0)) << "they have passed";
-  EXPECT_EQ(LocalState::kUnknown, frames.at(-0.4, 0.6)) << "and are beside or behind";
+  EXPECT_EQ(LocalState::kEntered, frames.at(-0.4, 0.6)) << "and are beside or behind";
   frames.see(Scene(), 10);
-  EXPECT_EQ(LocalState::kUnknown, frames.at(-1.7, 0.7));
+  EXPECT_EQ(LocalState::kEntered, frames.at(-1.7, 0.7));
 }
 
 TEST(LocalLayerTest, WhatComesBackFromTheEdgeHasNotLeft) {
@@ -178,6 +178,39 @@ TEST(LocalLayerTest, WhatComesBackFromTheEdgeHasNotLeft) {
   frames.see({{{2.0, 1.6}}}, 3);
   for (const double y : {1.5, 1.4, 1.3, 1.2, 1.1, 1.0}) frames.see({{{2.0, y}}}, 2);
   EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1));
+}
+
+TEST(LocalLayerTest, WhatStoodBesideTheRobotBlocksForLongerThanWhatPassed) {
+  const auto turned = [](Frames& frames, double seconds) {  // away, so that it is out of view
+    const Pose away(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
+    for (double s = 0.0; s < seconds; s += kStep_s) {
+      frames.layer.add(frames.now += kStep_s, away, scanOf(Scene()), camera());
+    }
+  };
+  Frames stood;
+  stood.see({{{1.0, 0.3}}}, 30);
+  turned(stood, 6.0);
+  EXPECT_EQ(LocalState::kBlocked, stood.at(1.0, 0.3));
+  turned(stood, 6.0);
+  EXPECT_EQ(LocalState::kNotInView, stood.at(1.0, 0.3));
+  Frames passed;
+  passed.see(Scene(), 30);
+  passed.see({{{1.0, 0.3}}}, 5);
+  turned(passed, 4.0);
+  EXPECT_NE(LocalState::kBlocked, passed.at(1.0, 0.3));
+}
+
+TEST(LocalLayerTest, WhoWalksElsewhereDoesNotBringBackWhoLeft) {
+  Frames frames;
+  frames.see(Scene());
+  double y = 0.0;
+  for (; y < 1.75; y += 0.13) {  // leaves to the left, 1.3 m/s
+    frames.see({{{2.0, y}, {2.0, y - 0.1}, {2.0, y + 0.1}}}, 1);
+  }
+  frames.see(Scene(), 5);
+  EXPECT_EQ(LocalState::kEntered, frames.at(2.0, 2.5));
+  frames.see({{{2.0, 0.8}, {2.0, 0.9}, {2.0, 1.0}}}, 2);
+  EXPECT_EQ(LocalState::kEntered, frames.at(2.0, 2.7)) << "somebody else";
 }
 
 TEST(LocalLayerTest, LasersBlockAndNeverFree) {

@@ -50,9 +50,12 @@ TEST(MovingObstaclesTest, AnObjectThatWillMeetTheRobotIsAnObstacleAtTheMeetingPo
 /// What a memory of 3 s makes of tracks at times, seen by a robot at the origin.
 class TrackMemoryTest : public testing::Test {
  protected:
-  TrackMemoryTest() {
+  TrackMemoryTest() { stand(10.0); }
+
+  /// The robot stands on its place at a time, and knows that by then it was free.
+  void stand(Time time) {
     auto layer = std::make_shared<map::LocalLayer>(5.0, map::RobotFootprint{0.5, 0.4});
-    layer->add(10.0, Pose::Identity(), {}, std::nullopt);
+    layer->add(time, Pose::Identity(), {}, std::nullopt);
     map_.update(std::shared_ptr<const map::LocalLayer>(layer));
   }
 
@@ -89,6 +92,8 @@ TEST_F(TrackMemoryTest, WhoIsSeenAgainOrNotToBeThereIsForgotten) {
   ASSERT_EQ(2u, seen_again.size());
   EXPECT_EQ(TrackId{3}, seen_again[0].id);
   EXPECT_EQ(TrackId{2}, seen_again[1].id);
+  EXPECT_EQ(2u, at(11.0, {}).size()) << "what was free before they came says nothing";
+  stand(11.0);
   EXPECT_EQ(1u, at(11.0, {}).size()) << "the robot stands where the second one would be";
 }
 

@@ -117,6 +117,18 @@ double speedRatioOn(const SpeedGovernor::GroundNow& ground, const GroundTwist& c
   return governor.speedRatio(command, robot, {}, 0.1, ground);
 }
 
+TEST(SpeedGovernorTest, KnowsHowLongItTakesToStart) {
+  const Track crosser = walkingTrack(1, {0.9, -2.3}, {0.0, 1.0});
+  auto values = params();
+  GroundState robot;
+  const auto ratioOf = [&](double acceleration_mps2) {
+    values.robot.acceleration_mps2 = acceleration_mps2;
+    return SpeedGovernor(values).speedRatio(kAhead, robot, {crosser}, 0.0);
+  };
+  EXPECT_EQ(1.0, ratioOf(20.0)) << "it has passed before they come";
+  EXPECT_LT(ratioOf(0.5), 1.0) << "it would be in their way";
+}
+
 TEST(SpeedGovernorTest, DrivesNoFasterThanItCanBrakeOnFreeGround) {
   const auto freeTo = [](double x) {
     return [x](const Eigen::Vector2d& place) {
@@ -138,6 +150,8 @@ TEST(SpeedGovernorTest, TurnsOnTheSpotWhereNothingIsBlocked) {
     const auto everywhere = [state](const Eigen::Vector2d&) { return state; };
     EXPECT_EQ(speedRatioOn(everywhere, {0.0, 0.0, 1.0}), 1.0);
   }
+  const auto entered = [](const Eigen::Vector2d&) { return map::LocalState::kEntered; };
+  EXPECT_EQ(speedRatioOn(entered, {0.0, 0.0, 1.0}), 0.0) << "into somebody who is beside it now";
   // Somebody at its left, within reach of its corners.
   const auto beside = [](double left_m) {
     return [left_m](const Eigen::Vector2d& place) {

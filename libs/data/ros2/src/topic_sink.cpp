@@ -151,7 +151,8 @@ void setLocalState(const map::LocalLayer& local, Time now, GridMessage& grid) {
   for (std::size_t i = 0; i < grid.cells.size(); ++i) {
     const auto state = local.at(centreOf(grid, i), now, map::kCaution);
     if (state == map::LocalState::kBlocked) grid.cells[i] = 100;
-    if (state == map::LocalState::kUnknown || state == map::LocalState::kNotInView) {
+    if (state == map::LocalState::kUnknown || state == map::LocalState::kEntered ||
+        state == map::LocalState::kNotInView) {
       grid.cells[i] = -1;
     }
   }

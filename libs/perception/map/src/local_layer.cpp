@@ -32,7 +32,8 @@ struct LocalEvidence {
   int cells_of_person = 3;  ///< at least, within the radius
   double follow_s = 0.5;    ///< in which the velocity of what comes is measured
   double follow_least_s = 0.2;
-  double was_free_s = 2.0;  ///< before: what is blocked now has come
+  double was_free_s = 2.0;    ///< before: what is blocked now has come
+  double stands_ratio = 3.0;  ///< of the time for which what had not come counts
 };
 constexpr LocalEvidence kLocal;
 
@@ -146,8 +147,10 @@ bool LocalLayer::isAtEdgeOfView(const Vector2d& place) const {
 
 double LocalLayer::oddsOf(const Cell& cell, bool in_view, Time now, double hold_s) const {
   const double age_s = std::max(0.0, now - start_ - static_cast<double>(cell.seen_s));
+  const bool stood = cell.odds > 0.0F && cell.hit_s - cell.free_s >= kLocal.was_free_s;
+  const double hold = stood ? kLocal.stands_ratio * hold_s : hold_s;
   return cell.odds *
-         std::exp(-age_s / (in_view ? kLocal.in_view_s : std::max(kLocal.in_view_s, hold_s)));
+         std::exp(-age_s / (in_view ? kLocal.in_view_s : std::max(kLocal.in_view_s, hold)));
 }
 
 /// By what came since a time, when the place was seen to be free.
@@ -172,10 +175,16 @@ LocalState LocalLayer::at(const Vector2d& place, Time now, double caution) const
   if (odds >= kLocal.known) return LocalState::kBlocked;
   const bool is_free = odds <= -kLocal.known;
   const float since_s = is_free ? cell->seen_s : 0.0F;
-  if (!in_view && mayBeEntered(place, since_s, now, caution)) return LocalState::kUnknown;
+  if (!in_view && mayBeEntered(place, since_s, now, caution)) return LocalState::kEntered;
   if (is_free) return LocalState::kFree;
   if (in_view && isGap(place, now)) return LocalState::kFree;
   return in_view ? LocalState::kUnknown : LocalState::kNotInView;
+}
+
+bool LocalLayer::wasSeenFree(const Vector2d& place, Time since, Time now, double caution) const {
+  if (at(place, now, caution) != LocalState::kFree) return false;
+  const Cell* cell = find(place);
+  return isInView(place) || (cell != nullptr && start_ + static_cast<double>(cell->seen_s) > since);
 }
 
 /// A cell without evidence of its own, narrower than what would be matched of an obstacle, between
@@ -368,11 +377,12 @@ bool LocalLayer::isAtStanding(const Vector2d& place) const {
   return false;
 }
 
-/// What was at the edge of the view and is in it now has not left it.
+/// What was at the edge of the view and is in it now, where it may have gone, has not left it.
 void LocalLayer::dropSeenAgain(const Vector2d& place, Time time) {
   const auto is_this = [&](const Intruder& intruder) {
-    return (place - intruder.place).norm() <
-           kLocal.radius_m + kLocal.speed_mps * (time - intruder.time);
+    const double age_s = time - intruder.time;
+    return (place - intruder.place - age_s * intruder.velocity).norm() <
+           kLocal.radius_m + intruder.spread_mps * age_s;
   };
   intruders_.erase(std::remove_if(intruders_.begin(), intruders_.end(), is_this), intruders_.end());
 }

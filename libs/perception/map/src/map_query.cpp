@@ -190,6 +190,7 @@ std::optional<double> MapQuery::groundAt(const Vector2d& place, Time time) const
     case LocalState::kFree:
       return 1.0 - kSeenNow;
     case LocalState::kUnknown:
+    case LocalState::kEntered:
       return std::nullopt;
     case LocalState::kNotInView:
       break;
@@ -200,6 +201,11 @@ std::optional<double> MapQuery::groundAt(const Vector2d& place, Time time) const
 LocalState MapQuery::localAt(const Vector2d& place) const {
   if (map_.local() == nullptr) return LocalState::kNotInView;
   return map_.local()->at(T_odom_map_ * (T_map_asked_ * place), now_, params_.caution);
+}
+
+bool MapQuery::wasSeenFree(const Vector2d& place, Time since) const {
+  return map_.local() != nullptr && map_.local()->wasSeenFree(T_odom_map_ * (T_map_asked_ * place),
+                                                              since, now_, params_.caution);
 }
 
 LocalState MapQuery::groundNow(const Vector2d& place) const {

@@ -26,6 +26,8 @@ void RobotMotionParams::describe(Params::Section section) {
   user.add("robot_length_m", length_m, 0.0, 10.0, "m", "Length of the robot, about its origin");
   user.add("robot_width_m", width_m, 0.0, 10.0, "m", "Width of the robot");
   user.add("robot_max_speed_mps", max_speed_mps, 0.05, 30.0, "m/s", "The robot's maximum speed");
+  section.add("robot_acceleration_mps2", acceleration_mps2, 0.05, 20.0, "m/s^2",
+              "The robot's greatest acceleration");
   user.add("robot_deceleration_mps2", deceleration_mps2, 0.05, 20.0, "m/s^2",
            "The robot's deceleration when it brakes");
   section.add("robot_slow_ratio", slow_ratio, 0.05, 1.0, "",
@@ -226,7 +228,7 @@ std::vector<Track> TrackMemory::with(const std::vector<Track>& tracks, Time time
     if (!later) return std::nullopt;
     Track in_map = transformed(*later, T_map_odom);
     const Vector2d place = in_map.position.head<2>();
-    if (query.localAt(place) == map::LocalState::kFree) return std::nullopt;
+    if (query.wasSeenFree(place, one.time)) return std::nullopt;
     const bool is_other = std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
       return isShown(track) && (track.position.head<2>() - place).norm() < in_map.size.x();
     });

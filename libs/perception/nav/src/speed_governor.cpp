@@ -133,14 +133,22 @@ void SpeedGovernor::drive(const GroundTwist& command, double ratio, const Ground
   const double keep = std::exp(-kStep_s / std::max(1e-3, params_.governor.lag_s));
   const double keep_turn = std::exp(-kStep_s / kTurnMemory_s);
   double turn = ratio * command.turn;
+  const double gain = params_.robot.acceleration_mps2 * kStep_s;
   for (auto& moment : driven_) {
     const auto approach = [keep](double wanted, double& value) {
       const double before = value;
       value = wanted + keep * (value - wanted);
       return 0.5 * (before + value);
     };
-    const double forward = approach(ratio * command.forward, state.twist.forward);
-    const double sideways = approach(ratio * command.sideways, state.twist.sideways);
+    const auto accelerate = [&](double wanted, double& value) {
+      const double before = value;
+      (void)approach(wanted, value);
+      if (std::abs(value) > std::abs(before))
+        value = std::clamp(value, before - gain, before + gain);
+      return 0.5 * (before + value);
+    };
+    const double forward = accelerate(ratio * command.forward, state.twist.forward);
+    const double sideways = accelerate(ratio * command.sideways, state.twist.sideways);
     const double middle_yaw = state.yaw + 0.5 * kStep_s * approach(turn, state.twist.turn);
     state.yaw = 2.0 * middle_yaw - state.yaw;
     const double c = std::cos(middle_yaw), s = std::sin(middle_yaw);

@@ -19,7 +19,8 @@ constexpr double kLocalHold_s = 6.0;  ///< that it counts, with caution 1: who w
 enum class LocalState {
   kBlocked,    ///< something stands there
   kFree,       ///< it was seen to be free, and nothing was seen to enter it since
-  kUnknown,    ///< it is in view and not seen, or something may have entered it
+  kUnknown,    ///< it is in view and not seen
+  kEntered,    ///< it is out of view, and something was seen to leave the view that may be there
   kNotInView,  ///< nothing is known about it that is newer than the map
 };
 
@@ -29,7 +30,8 @@ enum class LocalState {
 /// hits it and of what passes it, by columns of the disparity image and beams of lasers, as a
 /// logarithm of odds that decays: in view within 0.5 s, so that only what is seen again stays free
 /// or blocked; out of view (nearer than the nearest visible ground or than what is measured, beside
-/// and behind the robot) within a time that the asker's caution chooses. What is hit in two frames,
+/// and behind the robot) within a time that the asker's caution chooses, three times that where
+/// something had been standing for two seconds. What is hit in two frames,
 /// within what a person walks between them, is blocked at once. What enters a place out of view was
 /// seen at the edge of the view, where it was free before: ground is unknown where it is if it
 /// walks on, as far around as people turn, and on its way, where it may have stopped, until it is
@@ -60,6 +62,10 @@ class LocalLayer {
   /// @param caution  0 to 1: how long (6 s with 1) and how far (at 1.5 m/s with 1) what is out of
   ///                 view counts
   [[nodiscard]] LocalState at(const Eigen::Vector2d& place, Time now, double caution) const;
+
+  /// Whether a place is free because it was seen to be, after a time.
+  [[nodiscard]] bool wasSeenFree(const Eigen::Vector2d& place, Time since, Time now,
+                                 double caution) const;
 
   /// Centres of all blocked cells, odometry frame [m].
   [[nodiscard]] std::vector<Eigen::Vector2d> blocked(Time now, double caution) const;

@@ -140,6 +140,8 @@ class MapQuery {
 
   /// What the newest frames say about a place [m]; kNotInView if none was scanned for it.
   [[nodiscard]] LocalState localAt(const Eigen::Vector2d& place) const;
+  /// Whether the newest frames say that a place is free [m], by what was seen of it after a time.
+  [[nodiscard]] bool wasSeenFree(const Eigen::Vector2d& place, Time since) const;
   /// What the newest frames say about the ground; where they say nothing, kFree if the static grid
   /// does. kUnknown of a map that cannot be asked.
   [[nodiscard]] LocalState groundNow(const Eigen::Vector2d& place) const;

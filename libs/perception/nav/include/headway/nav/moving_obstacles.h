@@ -32,6 +32,7 @@ struct RobotMotionParams {
   double length_m = 0.5;           ///< centred at the origin [m]
   double width_m = 0.45;           ///< [m]
   double max_speed_mps = 1.0;      ///< forward [m/s]
+  double acceleration_mps2 = 5.0;  ///< at most [m/s^2]
   double deceleration_mps2 = 1.0;  ///< of braking [m/s^2]
   double slow_ratio = 0.8;         ///< lowest assumed speed over max_speed_mps [-]
   double early_slack_s = 0.0;      ///< by which the robot may be earlier [s]

@@ -79,6 +79,9 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
   /// Evaluates the current command again and forwards it.
   bool changeSpeedsNOP() override;
 
+  /// The ratio of a command's speed that changeSpeeds() would forward now, 0 to 1.
+  [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
+
   /// Ratio of the forwarded to the last commanded speed, 0 to 1.
   [[nodiscard]] double lastSpeedRatio() const { return speed_ratio_; }
 
@@ -125,7 +128,6 @@ class PredictiveObstacles : public mrpt::nav::CRobot2NavInterface {
                                             const map::MapQuery& query);
   /// The robot in the map's frame; nullopt if its pose is unknown.
   [[nodiscard]] std::optional<GroundState> locate(const map::PerceptionMap& snapshot);
-  [[nodiscard]] double admissibleSpeedRatio(const mrpt::kinematics::CVehicleVelCmd& command);
   [[nodiscard]] SenseStatus addPredictions(mrpt::maps::CSimplePointsMap& obstacles);
   void removeLeaving(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
   void insertPredicted(mrpt::maps::CSimplePointsMap& obstacles, const GroundState& robot);
