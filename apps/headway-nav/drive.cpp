@@ -26,6 +26,16 @@ using mrpt::nav::CAbstractNavigator;
 constexpr double kLongestStep_s = 0.02;  // of the world: a walker moves 3 cm in it
 constexpr float kPointHeight_m = 0.4F;   // of the obstacle points, within the robot's height
 
+/// Of a robot that is stopped by what it does not see.
+struct Touch {
+  double commanded_mps = 0.1;  ///< at least, and it moves by no more than a tenth of that
+  double after_s = 0.4;        ///< it has had the time to start
+  double remembered_s = 20.0;
+  double depth_m = 0.3;  ///< of what is assumed to be there
+  double spacing_m = 0.1;
+};
+constexpr Touch kTouch;
+
 /// The robot's base: what its navigator asks and commands.
 class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
  public:
@@ -37,6 +47,11 @@ class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
     knowledge_ = std::move(knowledge);
     motion_ = motion;
   }
+  /// Where something unseen stopped it, map frame.
+  void feel(std::vector<Vector2d> places) { felt_ = std::move(places); }
+  /// Takes the pose by odometry for known, of a robot that is lost and turns to see.
+  void trustOdometry() { knowledge_.pose = knowledge_.expected; }
+  void distrustOdometry() { knowledge_.pose.reset(); }
   [[nodiscard]] const Knowledge& knowledge() const { return knowledge_; }
   [[nodiscard]] const sim::DriveCommand& command() const { return command_; }
 
@@ -82,6 +97,7 @@ class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
   nav::PredictiveObstaclesParams nav_;
   Knowledge knowledge_;
   sim::DriveCommand motion_, command_;
+  std::vector<Vector2d> felt_;
   double navigates_since_s_ = 0.0;
 };
 
@@ -96,6 +112,7 @@ bool DrivenBase::senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTime
                        nav_.outline_spacing_m, outline);
   }
   for (const Vector2d& place : outline) add(place, obstacles);
+  for (const Vector2d& place : felt_) add(place, obstacles);
   const auto grid = knowledge_.map.staticGrid();
   if (nav_.policy == nav::ObstaclePolicy::kStatic && grid) addGrid(*grid, obstacles);
   return true;
@@ -202,6 +219,8 @@ class Drive {
     return world;
   }
   [[nodiscard]] double time_s() const { return world_.now() - start_s_; }
+  /// Remembers what stops the robot though it sees nothing there.
+  void feel(const TPose2D& pose);
   void plan();
   /// Does what the navigator cannot. @return  whether something was to be done
   bool manoeuvres(const Vector2d& next);
@@ -209,6 +228,12 @@ class Drive {
   void lookBack();
   void moveOn(double period_s);
   [[nodiscard]] TrialMoment moment() const;
+
+  /// What stopped it, until a time.
+  struct Felt {
+    Vector2d place;
+    double until_s;
+  };
 
   const DriveSetup& setup_;
   Vector2d size_;
@@ -226,6 +251,8 @@ class Drive {
   TPose2D known_;                   ///< last known pose
   double known_at_s_ = 0.0;         ///< its time
   std::optional<Vector2d> target_;  ///< of the navigator; nullopt: it does not navigate
+  std::vector<Felt> felt_;
+  double moved_at_s_ = 0.0;  ///< or was told to stand
   TrialResult result_;
   DriveResult detail_;
   bool touched_ = false;  ///< since the last planning step
@@ -251,8 +278,31 @@ TrialResult Drive::run(const TrialObserver& observer) {
   return result_;
 }
 
+void Drive::feel(const TPose2D& pose) {
+  const auto is_over = [&](const Felt& felt) { return felt.until_s < time_s(); };
+  felt_.erase(std::remove_if(felt_.begin(), felt_.end(), is_over), felt_.end());
+  const double wanted = base_.command().speed;
+  const bool pushes = std::abs(wanted) > kTouch.commanded_mps &&
+                      std::abs(world_.robot().motion.speed) < 0.1 * kTouch.commanded_mps;
+  if (!pushes) moved_at_s_ = time_s();
+  if (time_s() - moved_at_s_ > kTouch.after_s) {
+    for (double ahead = 0.5 * kTouch.spacing_m; ahead < kTouch.depth_m; ahead += kTouch.spacing_m) {
+      for (double y = -0.5 * size_.y(); y <= 0.5 * size_.y(); y += kTouch.spacing_m) {
+        const Vector2d local(std::copysign(0.5 * size_.x() + ahead, wanted), y);
+        felt_.push_back({Vector2d(pose.x, pose.y) + Eigen::Rotation2Dd(pose.phi) * local,
+                         time_s() + kTouch.remembered_s});
+      }
+    }
+    moved_at_s_ = time_s();
+  }
+  std::vector<Vector2d> places;
+  for (const Felt& felt : felt_) places.push_back(felt.place);
+  base_.feel(std::move(places));
+}
+
 void Drive::plan() {
   constexpr double kArrived_m = 1.0;  // goal radius, and drift of 2 % of 30 m
+  constexpr double kPassed_m = 0.1;   // of a bend on the way: nearer than the next one
   const auto& pose = base_.knowledge().pose;
   if (!pose) {  // MRPT's navigator would end
     target_.reset();
@@ -261,13 +311,15 @@ void Drive::plan() {
   }
   known_at_s_ = time_s();
   known_ = *pose;
+  feel(*pose);
   const double start = processorSeconds();
   const bool senses = obstacles_.sense();
   const Vector2d next = guide_.lead({pose->x, pose->y}, inMap(obstacles_.sensed(), *pose));
+  const double radius_m = guide_.isLast() ? RobotParams::kGoalRadius_m : kPassed_m;
   if (!target_) {
-    navigator_.startAfresh(next);
+    navigator_.startAfresh(next, radius_m);
   } else if (*target_ != next) {
-    navigator_.driveTo(next);
+    navigator_.driveTo(next, radius_m);
   }
   target_ = next;
   if (!senses || !manoeuvres(next)) navigator_.navigationStep();
@@ -284,12 +336,17 @@ void Drive::plan() {
 
 bool Drive::manoeuvres(const Vector2d& next) {
   if (!manoeuvre_.isDue(time_s(), known_, next)) return false;
-  const auto motion = manoeuvre_.command(obstacles_.sensed());
+  const auto commandOf = [](const sim::DriveCommand& motion) {
+    CVehicleVelCmd_DiffDriven command;
+    command.lin_vel = motion.speed;
+    command.ang_vel = motion.turn_rate;
+    return command;
+  };
+  const auto motion = manoeuvre_.command(obstacles_.sensed(), [&](const auto& wanted) {
+    return obstacles_.admissibleSpeedRatio(commandOf(wanted)) > 0.0;
+  });
   if (!motion) return false;
-  CVehicleVelCmd_DiffDriven command;
-  command.lin_vel = motion->speed;
-  command.ang_vel = motion->turn_rate;
-  obstacles_.changeSpeeds(command);
+  obstacles_.changeSpeeds(commandOf(*motion));
   return true;
 }
 
@@ -305,7 +362,9 @@ void Drive::lookBack() {
   const double turn = wrapAngle(std::atan2(to.y(), to.x()) - known_.phi);
   CVehicleVelCmd_DiffDriven command;
   command.ang_vel = turn < 0.0 ? -kTurn_radps : kTurn_radps;
-  base_.changeSpeeds(command);
+  base_.trustOdometry();  // in which it is known what is blocked now
+  obstacles_.changeSpeeds(command);
+  base_.distrustOdometry();
 }
 
 void Drive::moveOn(double period_s) {

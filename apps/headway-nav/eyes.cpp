@@ -67,11 +67,12 @@ class ImagesEye : public Eye {
     Knowledge knowledge;
     knowledge.map = perception_->map();
     const auto& camera = result->update.camera;
+    const Eigen::Vector3d place = camera.T_map_robot.translation();
+    knowledge.expected = mrpt::math::TPose2D(place.x(), place.y(), yawOf(camera.T_map_robot));
     // Who is lost goes on by wheels for as long as those know where it is.
     const bool goes_on = camera.status == slam::TrackingStatus::kLost && frame.odometry;
     if (isTracked(camera.status) || (goes_on && isKnown(camera.covariance))) {
-      const Eigen::Vector3d place = camera.T_map_robot.translation();
-      knowledge.pose = mrpt::math::TPose2D(place.x(), place.y(), yawOf(camera.T_map_robot));
+      knowledge.pose = knowledge.expected;
     }
     knowledge.image = frame.left;
     return knowledge;
@@ -101,7 +102,8 @@ class TruthEye : public Eye {
     Knowledge knowledge;
     knowledge.map.update(grid_);
     knowledge.map.update(world.now(), std::move(tracks));
-    knowledge.pose = mrpt::math::TPose2D(robot.position.x(), robot.position.y(), robot.yaw);
+    knowledge.expected = mrpt::math::TPose2D(robot.position.x(), robot.position.y(), robot.yaw);
+    knowledge.pose = knowledge.expected;
     return knowledge;
   }
 

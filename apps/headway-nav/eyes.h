@@ -32,6 +32,7 @@ enum class Sense {
 struct Knowledge {
   map::PerceptionMap map;                   ///< with the moving objects of that time
   std::optional<mrpt::math::TPose2D> pose;  ///< in the map; nullopt: lost
+  mrpt::math::TPose2D expected;             ///< in the map, by odometry if it is lost
   cv::Mat image;                            ///< of the left camera; empty: none was taken
 };
 

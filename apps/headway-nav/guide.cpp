@@ -67,18 +67,20 @@ const Vector2d& Guide::lead(const Vector2d& robot, const std::vector<Vector2d>& 
   }
   target_ = course_[std::min(last, passed_ + 1)];
   const cv::Mat1f cost = costs(obstacles);
-  const auto aimed = aim(cost);
-  if (!aimed) return target_;
-  const cv::Point end = cellOf(course_[*aimed]);
   cv::Mat1f kept;
   cv::multiply(cost, cv::Scalar(kKept), kept);
   cost.copyTo(kept, distancesTo(way_.empty() ? course_ : way_) > kKept_m);
-  const auto cells = way(kept, end);
-  if (cells.empty()) return target_;
-  way_.clear();
-  for (const cv::Point& cell : cells) way_.push_back(placeOf(cell));
-  const cv::Point next = farthestAhead(cost, cells);
-  target_ = next == end ? course_[*aimed] : placeOf(next);
+  for (std::size_t aimed = std::min(last, passed_ + kAhead); aimed > passed_; --aimed) {
+    const cv::Point end = cellOf(course_[aimed]);
+    if (!isInside(end) || !(cost(end) < kNoWay)) continue;
+    const auto cells = way(kept, end);
+    if (cells.empty()) continue;
+    way_.clear();
+    for (const cv::Point& cell : cells) way_.push_back(placeOf(cell));
+    const cv::Point next = farthestAhead(cost, cells);
+    target_ = next == end ? course_[aimed] : placeOf(next);
+    break;
+  }
   return target_;
 }
 
@@ -112,14 +114,6 @@ cv::Mat1f Guide::costs(const std::vector<Vector2d>& obstacles) const {
     }
   }
   return cost;
-}
-
-std::optional<std::size_t> Guide::aim(const cv::Mat1f& costs) const {
-  for (std::size_t j = std::min(course_.size() - 1, passed_ + kAhead); j > passed_; --j) {
-    const cv::Point cell = cellOf(course_[j]);
-    if (isInside(cell) && costs(cell) < kNoWay) return j;
-  }
-  return std::nullopt;
 }
 
 std::vector<cv::Point> Guide::way(const cv::Mat1f& costs, const cv::Point& to) {

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <opencv2/core/mat.hpp>
-#include <optional>
 #include <vector>
 
 namespace headway::app {
@@ -45,8 +44,6 @@ class Guide {
   [[nodiscard]] cv::Mat1f distancesTo(const std::vector<Eigen::Vector2d>& line) const;
   /// Cost of each cell; infinite where the robot does not fit.
   [[nodiscard]] cv::Mat1f costs(const std::vector<Eigen::Vector2d>& obstacles) const;
-  /// Index of the place of the course to plan to; nullopt: all are blocked.
-  [[nodiscard]] std::optional<std::size_t> aim(const cv::Mat1f& costs) const;
   /// Cells from the robot to another; empty if there is no way.
   [[nodiscard]] static std::vector<cv::Point> way(const cv::Mat1f& costs, const cv::Point& to);
   [[nodiscard]] static cv::Point farthestAhead(const cv::Mat1f& costs,

@@ -23,6 +23,7 @@ constexpr double kPatience_s = 3.0;  // at rest: somebody who walks has passed
 constexpr double kMoved_m = 0.1, kMoved_rad = 0.2;
 constexpr double kWayOut_s = 1.0, kWayOut_mps = 0.25;
 constexpr double kEnough_m = 0.2;  // more room is worth nothing
+constexpr double kBehind_m = 0.1;  // of room that it must gain where it does not look
 constexpr double kNear_m = 0.15;   // whoever is nearer while it turns passes first
 constexpr double kTouch_m = 0.03;  // half a cell of a grid
 constexpr double kTick_s = 0.1;
@@ -41,14 +42,15 @@ bool Manoeuvre::isDue(double time_s, const TPose2D& robot, const Vector2d& targe
   return turns_ || time_s < steps_out_until_s_ || time_s - stood_since_s_ > kPatience_s;
 }
 
-std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles) {
+std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles,
+                                               const IsAdmitted& is_admitted) {
   if (time_s_ < steps_out_until_s_) {
     if (roomAfter(obstacles, way_out_, 2.0 * kTick_s, kTouch_m)) return way_out_;
     steps_out_until_s_ = time_s_;
   }
   if (time_s_ - stood_since_s_ > kPatience_s) {
     stood_since_s_ = time_s_;
-    if (const auto way_out = wayOut(obstacles)) {
+    if (const auto way_out = wayOut(obstacles, is_admitted)) {
       way_out_ = *way_out;
       steps_out_until_s_ = time_s_ + kWayOut_s;
       return way_out;
@@ -56,7 +58,7 @@ std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles
   }
   const DriveCommand turn{0.0, bearing_ < 0.0 ? -kTurn_radps : kTurn_radps};
   if (turns_ && roomAt(obstacles, {}) >= kNear_m &&
-      roomAfter(obstacles, turn, std::abs(bearing_) / kTurn_radps, kNear_m))
+      roomAfter(obstacles, turn, std::abs(bearing_) / kTurn_radps, kNear_m) && is_admitted(turn))
     return turn;
   return std::nullopt;
 }
@@ -89,19 +91,22 @@ std::optional<double> Manoeuvre::roomAfter(const CSimplePointsMap& obstacles,
   return room;
 }
 
-std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles) const {
+std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles,
+                                              const IsAdmitted& is_admitted) const {
   std::optional<DriveCommand> best;
   double best_score = 0.0;
-  for (const double speed : {-kWayOut_mps, 0.0, kWayOut_mps}) {
+  for (const double speed : {0.0, kWayOut_mps, -kWayOut_mps}) {
     for (const double turn_rate : {-kTurn_radps, 0.0, kTurn_radps}) {
       if (speed == 0.0 && turn_rate == 0.0) continue;
       const auto room = roomAfter(obstacles, {speed, turn_rate}, kWayOut_s, kTouch_m);
       if (!room) continue;
+      const double gain = *room - (speed < 0.0 ? kBehind_m : 0.0);
       // Of equal room, what turns it to its target.
       const double score =
-          *room / kEnough_m + 0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s));
-      if (score > best_score) best = DriveCommand{speed, turn_rate};
-      best_score = std::max(best_score, score);
+          gain / kEnough_m + 0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s));
+      if (!(score > best_score) || !is_admitted({speed, turn_rate})) continue;
+      best = DriveCommand{speed, turn_rate};
+      best_score = score;
     }
   }
   return best;

@@ -7,6 +7,7 @@
 #include <mrpt/math/TPose2D.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 
 namespace headway::app {
@@ -25,11 +26,14 @@ class Manoeuvre {
   /// Whether command() is to be asked instead of the navigator.
   [[nodiscard]] bool isDue(double time_s, const mrpt::math::TPose2D& robot,
                            const Eigen::Vector2d& target);
-  /// What to do now; nullopt: there is no room for it, or it is done.
+  /// Whether a motion would be let pass, at some speed.
+  using IsAdmitted = std::function<bool(const sim::DriveCommand&)>;
+
+  /// What to do now; nullopt: there is no room for it, it would not be let pass, or it is done.
   ///
   /// @param obstacles  robot's frame [m]
   [[nodiscard]] std::optional<sim::DriveCommand> command(
-      const mrpt::maps::CSimplePointsMap& obstacles);
+      const mrpt::maps::CSimplePointsMap& obstacles, const IsAdmitted& is_admitted);
 
  private:
   [[nodiscard]] double roomAt(const mrpt::maps::CSimplePointsMap& obstacles,
@@ -39,7 +43,7 @@ class Manoeuvre {
                                                 const sim::DriveCommand& motion, double duration_s,
                                                 double needed) const;
   [[nodiscard]] std::optional<sim::DriveCommand> wayOut(
-      const mrpt::maps::CSimplePointsMap& obstacles) const;
+      const mrpt::maps::CSimplePointsMap& obstacles, const IsAdmitted& is_admitted) const;
 
   Eigen::Vector2d size_;
   double time_s_ = 0.0;

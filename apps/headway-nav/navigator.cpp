@@ -179,20 +179,20 @@ Navigator::Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& p
   initialize();
 }
 
-void Navigator::startAfresh(const Vector2d& goal) {
+void Navigator::startAfresh(const Vector2d& goal, double radius_m) {
   resetNavError();
   cancel();
   navigationStep();  // registers the end: else the next path continues the same navigation
   m_latestPoses.clear();
   m_latestOdomPoses.clear();
   setHolonomicMethod(kHolonomicMethod, settings_);  // a new one, because it stores directions
-  driveTo(goal);
+  driveTo(goal, radius_m);
 }
 
-void Navigator::driveTo(const Vector2d& goal) {
+void Navigator::driveTo(const Vector2d& goal, double radius_m) {
   TNavigationParams request;
   request.target.target_coords = {goal.x(), goal.y(), 0.0};
-  request.target.targetAllowedDistance = static_cast<float>(RobotParams::kGoalRadius_m);
+  request.target.targetAllowedDistance = static_cast<float>(radius_m);
   navigate(&request);
 }
 

@@ -65,10 +65,10 @@ class Navigator : public mrpt::nav::CReactiveNavigationSystem {
   /// Computes the tables of paths, which takes about a second.
   Navigator(mrpt::nav::CRobot2NavInterface& robot, const RobotParams& params);
 
-  /// Resets the state and starts towards a goal, map frame [m].
-  void startAfresh(const Eigen::Vector2d& goal);
+  /// Resets the state and starts towards a goal, map frame [m], which is reached within a radius.
+  void startAfresh(const Eigen::Vector2d& goal, double radius_m = RobotParams::kGoalRadius_m);
   /// Drives on towards another goal.
-  void driveTo(const Eigen::Vector2d& goal);
+  void driveTo(const Eigen::Vector2d& goal, double radius_m = RobotParams::kGoalRadius_m);
 
  private:
   mrpt::config::CConfigFileMemory settings_;

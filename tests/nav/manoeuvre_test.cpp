@@ -13,6 +13,7 @@ using mrpt::maps::CSimplePointsMap;
 using mrpt::math::TPose2D;
 
 const Vector2d kRobotSize(0.5, 0.4);
+const Manoeuvre::IsAdmitted kAll = [](const auto&) { return true; };
 
 CSimplePointsMap pointsAt(const std::vector<Vector2d>& places) {
   CSimplePointsMap points;
@@ -26,12 +27,12 @@ TEST(ManoeuvreTest, TurnsOnTheSpotToATargetBehind) {
   Manoeuvre manoeuvre(kRobotSize);
   EXPECT_FALSE(manoeuvre.isDue(0.0, {}, {4.0, 1.0})) << "the navigator's arcs lead there";
   ASSERT_TRUE(manoeuvre.isDue(0.1, {}, {-4.0, -1.0}));
-  const auto motion = manoeuvre.command(pointsAt({{0.6, 0.0}}));
+  const auto motion = manoeuvre.command(pointsAt({{0.6, 0.0}}), kAll);
   ASSERT_TRUE(motion);
   EXPECT_EQ(0.0, motion->speed);
   EXPECT_LT(motion->turn_rate, 0.0) << "the shorter way round";
-  EXPECT_FALSE(manoeuvre.command(pointsAt({{0.0, 0.25}}))) << "a corner would touch it";
-  EXPECT_FALSE(manoeuvre.command(pointsAt({{0.37, 0.0}}))) << "somebody comes";
+  EXPECT_FALSE(manoeuvre.command(pointsAt({{0.0, 0.25}}), kAll)) << "a corner would touch it";
+  EXPECT_FALSE(manoeuvre.command(pointsAt({{0.37, 0.0}}), kAll)) << "somebody comes";
 }
 
 TEST(ManoeuvreTest, TurnsUntilTheTargetIsAhead) {
@@ -50,13 +51,32 @@ TEST(ManoeuvreTest, LeavesWhatItTouchesAfterItHasStood) {
   EXPECT_FALSE(manoeuvre.isDue(0.0, here, {4.0, 0.0}));
   EXPECT_FALSE(manoeuvre.isDue(2.5, here, {4.0, 0.0}));
   ASSERT_TRUE(manoeuvre.isDue(3.5, here, {4.0, 0.0}));
-  const auto motion = manoeuvre.command(obstacles);
+  const auto motion = manoeuvre.command(obstacles, kAll);
   ASSERT_TRUE(motion);
   EXPECT_LT(motion->speed, 0.0) << "only backwards there is room";
   ASSERT_TRUE(manoeuvre.isDue(4.0, here, {4.0, 0.0})) << "for a second";
-  EXPECT_TRUE(manoeuvre.command(obstacles));
-  EXPECT_FALSE(manoeuvre.command(pointsAt({{-0.29, 0.0}})))
+  EXPECT_TRUE(manoeuvre.command(obstacles, kAll));
+  EXPECT_FALSE(manoeuvre.command(pointsAt({{-0.29, 0.0}}), kAll))
       << "somebody has come behind it meanwhile";
+}
+
+TEST(ManoeuvreTest, StepsWhereItLooksUnlessOnlyBehindItThereIsRoom) {
+  Manoeuvre manoeuvre(kRobotSize);
+  (void)manoeuvre.isDue(0.0, {}, {4.0, 0.0});
+  ASSERT_TRUE(manoeuvre.isDue(3.5, {}, {4.0, 0.0}));
+  const auto motion = manoeuvre.command(pointsAt({{2.0, 0.0}}), kAll);
+  ASSERT_TRUE(motion);
+  EXPECT_GE(motion->speed, 0.0) << "nothing is near";
+}
+
+TEST(ManoeuvreTest, DoesNotChooseWhatIsNotLetPass) {
+  Manoeuvre manoeuvre(kRobotSize);
+  (void)manoeuvre.isDue(0.0, {}, {4.0, 0.0});
+  ASSERT_TRUE(manoeuvre.isDue(3.5, {}, {4.0, 0.0}));
+  const auto motion = manoeuvre.command(pointsAt({{2.0, 0.0}}),
+                                        [](const auto& wanted) { return wanted.speed < 0.0; });
+  ASSERT_TRUE(motion);
+  EXPECT_LT(motion->speed, 0.0);
 }
 
 }  // namespace
