@@ -88,7 +88,8 @@ TEST(NavProgramTest, DrivesThroughAWorldByEachSenseRigAndLayer) {
   const TemporaryFolder folder;
   const std::string json = folder / "figures.json", worst = folder / "worst.png";
   const std::string call = program("headway-nav") +
-                           " -w -q --world hall --seed 5 --set robot.time_limit_s=1 --set "
+                           " -w -q --world " HEADWAY_SOURCE_DIR
+                           "/config/worlds/hall.ini --seed 5 --set robot.time_limit_s=1 --set "
                            "robot.planning_rate_hz=5 --json " +
                            json;
   for (const std::string& options :
