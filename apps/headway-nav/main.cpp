@@ -357,8 +357,9 @@ int main(int argc, char** argv) {
     setup.nav.robot.width_m = setup.world.robot.width_m;
     setup.nav.robot.max_speed_mps = setup.world.robot.max_speed_mps;
     setup.nav.governor.lag_s = setup.world.robot.lag_s;
-    setup.nav.robot.acceleration_mps2 = options.world.empty() ? setup.nav.robot.acceleration_mps2
-                                                              : drive.world.robot.acceleration_mps2;
+    if (!options.world.empty()) {
+      setup.nav.robot.acceleration_mps2 = drive.world.robot.acceleration_mps2;
+    }
     drive.robot = setup.world.robot;
     drive.nav = setup.nav;
     drive.objects = setup.objects;

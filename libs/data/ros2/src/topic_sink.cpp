@@ -150,11 +150,8 @@ Eigen::Vector2d centreOf(const GridMessage& grid, std::size_t cell) {
 void setLocalState(const map::LocalLayer& local, Time now, GridMessage& grid) {
   for (std::size_t i = 0; i < grid.cells.size(); ++i) {
     const auto state = local.at(centreOf(grid, i), now, map::kCaution);
-    if (state == map::LocalState::kBlocked) grid.cells[i] = 100;
-    if (state == map::LocalState::kUnknown || state == map::LocalState::kEntered ||
-        state == map::LocalState::kNotInView) {
-      grid.cells[i] = -1;
-    }
+    if (state == map::LocalState::kFree) continue;
+    grid.cells[i] = state == map::LocalState::kBlocked ? 100 : -1;
   }
 }
 

@@ -135,21 +135,18 @@ void SpeedGovernor::drive(const GroundTwist& command, double ratio, const Ground
   double turn = ratio * command.turn;
   const double gain = params_.robot.acceleration_mps2 * kStep_s;
   for (auto& moment : driven_) {
-    const auto approach = [keep](double wanted, double& value) {
+    const auto approach = [keep](double wanted, double most_gain, double& value) {
       const double before = value;
       value = wanted + keep * (value - wanted);
+      if (std::abs(value) > std::abs(before)) {
+        value = std::clamp(value, before - most_gain, before + most_gain);
+      }
       return 0.5 * (before + value);
     };
-    const auto accelerate = [&](double wanted, double& value) {
-      const double before = value;
-      (void)approach(wanted, value);
-      if (std::abs(value) > std::abs(before))
-        value = std::clamp(value, before - gain, before + gain);
-      return 0.5 * (before + value);
-    };
-    const double forward = accelerate(ratio * command.forward, state.twist.forward);
-    const double sideways = accelerate(ratio * command.sideways, state.twist.sideways);
-    const double middle_yaw = state.yaw + 0.5 * kStep_s * approach(turn, state.twist.turn);
+    const double forward = approach(ratio * command.forward, gain, state.twist.forward);
+    const double sideways = approach(ratio * command.sideways, gain, state.twist.sideways);
+    const double turned = approach(turn, std::numeric_limits<double>::infinity(), state.twist.turn);
+    const double middle_yaw = state.yaw + 0.5 * kStep_s * turned;
     state.yaw = 2.0 * middle_yaw - state.yaw;
     const double c = std::cos(middle_yaw), s = std::sin(middle_yaw);
     state.place += kStep_s * Vector2d(c * forward - s * sideways, s * forward + c * sideways);
