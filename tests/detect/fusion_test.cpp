@@ -67,7 +67,7 @@ TEST(FuseTest, APersonWhoMovesLikeACyclistIsOneIfAskedFor) {
 
 TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
   auto classified = seenAt(10, std::nullopt, ObjectClass::kCar);
-  classified.evidence.classifier = true;
+  classified.evidence.classifier = classified.evidence.periodic = true;
   auto moving = seenAt(14, 20.0, ObjectClass::kPedestrian);
   moving.evidence.motion = true;
   moving.searched_track = TrackId{4};
@@ -77,6 +77,7 @@ TEST(FuseTest, EvidenceOfAllSourcesIsKept) {
   ASSERT_EQ(fused.items.size(), 1u);
   const Detection& item = fused.items[0];
   EXPECT_TRUE(item.evidence.classifier && item.evidence.motion);
+  EXPECT_FALSE(item.evidence.periodic) << "motion is looked for in each frame";
   EXPECT_FALSE(item.evidence.appearance);
   EXPECT_EQ(item.object_class, ObjectClass::kCar);
   EXPECT_EQ(item.searched_track, TrackId{4});

@@ -641,6 +641,69 @@ TEST(MovingObjectTrackerTest, MotionInWhichTheNetworkSeesNothingNeedsMoreEvidenc
   }
 }
 
+/// A detection by a network that runs on each third frame, and by motion or not.
+Detection byNetwork(Detection detection, bool by_motion) {
+  detection = tested(detection, true, by_motion);
+  detection.evidence.periodic = !by_motion;
+  return detection;
+}
+
+TEST(MovingObjectTrackerTest, AFrameWithoutTheNetworkIsNoMissOfWhatItAloneSees) {
+  Replay replay, each_frame;
+  const Detection person =
+      byNetwork(test::seen(ObjectClass::kPedestrian, {10, 0, 0}, 0, 0.7), false);
+  for (int k = 0; k < 30; ++k) {
+    replay.all_detectors_ran = k % 3 == 0;
+    replay.frameAt(k / 15.0,
+                   replay.all_detectors_ran ? std::vector{person} : std::vector<Detection>());
+    each_frame.frameAt(k / 15.0, {person});
+    ASSERT_EQ(replay.last.tracks.size(), 1u) << k;
+    const Track& track = replay.last.tracks[0];
+    EXPECT_EQ(track.id, TrackId{0}) << k;
+    const auto between = k < 6 ? TrackStatus::kTentative : TrackStatus::kCoasting;
+    EXPECT_EQ(track.status, replay.all_detectors_ran && k >= 6 ? TrackStatus::kConfirmed : between)
+        << k;
+    if (k % 3 > 0) continue;
+    EXPECT_NEAR(track.score, each_frame.last.tracks.at(0).score, 1e-9) << k;
+  }
+  replay.all_detectors_ran = true;
+  for (int k = 30; k < 40; ++k) replay.frameAt(k / 15.0, {});
+  EXPECT_THAT(replay.last.tracks, IsEmpty()) << "now it is missed";
+}
+
+TEST(MovingObjectTrackerTest, MotionContinuesANetworksTrackOnEachFrame) {
+  Replay replay;
+  for (int k = 0; k < 30; ++k) {
+    replay.all_detectors_ran = k % 3 == 0;
+    Detection walker = seenPerson(10.0, 0.1 * k - 3.0);
+    walker.evidence.motion = true;
+    walker.velocity = MeasuredVelocity{{-1.5, 0.0, 0.0}, 0.04 * Eigen::Matrix3d::Identity()};
+    if (replay.all_detectors_ran) {
+      walker = byNetwork(walker, true);
+    } else {
+      walker.object_class = ObjectClass::kCyclist;  // provisional
+    }
+    replay.frameAt(k / 15.0, {walker});
+    ASSERT_EQ(confirmed(replay.last).size(), 1u) << k;
+    EXPECT_EQ(replay.last.tracks[0].object_class, ObjectClass::kPedestrian) << k;
+    EXPECT_NEAR(replay.last.tracks[0].velocity.y(), 1.5, k > 0 ? 0.1 : 1.5) << k;
+  }
+  replay.all_detectors_ran = false;
+  const double score = replay.last.tracks[0].score;
+  replay.frameAt(2.0, {});
+  EXPECT_LT(replay.last.tracks.at(0).score, score) << "stereo_motion did not see it";
+}
+
+TEST(MovingObjectTrackerTest, MotionNeedsMoreEvidenceUntilTheNetworkRunsAgain) {
+  Replay replay;
+  for (int k = 0; k < 4; ++k) {
+    replay.all_detectors_ran = k % 2 == 0;
+    const Detection walker = seenWalking(k);
+    replay.frame({replay.all_detectors_ran ? tested(walker, false, true) : walker});
+    EXPECT_EQ(confirmed(replay.last).size(), k < 3 ? 0u : 1u) << k;
+  }
+}
+
 TEST(MovingObjectTrackerTest, ABoxWithoutMotionStands) {
   const auto moves = [](bool is_tested) {
     Replay replay;

@@ -53,6 +53,7 @@ class Replay {
     Detections detections;
     detections.time = time;
     detections.items = items;
+    detections.all_detectors_ran = all_detectors_ran;
     last = tracker_.update(index_++, {time, Pose::Identity()}, detections);
     time_ = time + kFrame_s;
     for (const auto& [reason, count] : last.detections_dropped) dropped[reason] += count;
@@ -64,6 +65,7 @@ class Replay {
   [[nodiscard]] Time time() const { return time_; }  ///< of the next frame
   MovingObjectTracker& tracker() { return tracker_; }
 
+  bool all_detectors_ran = true;  ///< on the next frame
   TrackUpdate last;
   DropCounts dropped;
   std::size_t used = 0;

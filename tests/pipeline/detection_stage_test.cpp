@@ -116,6 +116,22 @@ TEST(DetectionStageTest, EvaluatesAFrameInEachPeriodOnly) {
   EXPECT_EQ(evaluated, (std::vector<bool>{true, false, false, true, false}));
 }
 
+TEST(DetectionStageTest, MotionIsDetectedInFramesInWhichSlowDetectorsRest) {
+  const PaintedStreet street({kMoving});
+  auto params = paramsFor("hog+stereo_motion");
+  params.detect.period_s = 0.3;
+  DetectionStage stage(street.camera(), params);
+  for (int i = 0; i < 16; ++i) {
+    const auto found = detectAll(stage, frameOf(street, i));
+    ASSERT_TRUE(found.fused) << i;
+    EXPECT_EQ(found.fused->all_detectors_ran, i % 3 == 0) << i;
+    if (i < 9) continue;
+    ASSERT_EQ(found.fused->items.size(), 1u) << i;
+    EXPECT_TRUE(found.fused->items[0].evidence.motion) << i;
+    EXPECT_FALSE(found.fused->items[0].evidence.periodic) << i;
+  }
+}
+
 TEST(DetectionStageTest, APeriodIsTheSameTimeAtAHigherRate) {
   const PaintedStreet street({});
   auto params = paramsFor("hog");
@@ -321,7 +337,7 @@ TEST(DetectionStageTest, ShapesAreLookedForOnRobotsAlsoWhenTheFloorShowsLaterTha
 
 TEST(DetectionStageTest, FramesWithoutImagesTakeNoTurnOfTheDetectors) {
   const PaintedStreet street({kMoving});
-  DetectionParams params = paramsFor("stereo_motion");
+  DetectionParams params = paramsFor("hog");
   params.detect.period_s = 0.2;
   DetectionStage stage(street.camera(), params);
   int runs = 0;

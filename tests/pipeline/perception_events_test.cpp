@@ -218,6 +218,8 @@ TEST_F(PerceptionEventsTest, TheGroundIsScannedInTheSamePeriodAtAnyRate) {
 }
 
 TEST_F(PerceptionEventsTest, ParametersChangeBeforeTheNextFrame) {
+  params_.detection.detector = "hog";
+  perception_ = std::make_unique<Perception>(street_.camera(), params_);
   for (int i = 0; i < 6; ++i) (void)process(i);
   const auto detected = [this] { return perception_->times().summary().at("detect").count; };
   const auto scanned = [this] { return perception_->times().summary().at("grid").count; };

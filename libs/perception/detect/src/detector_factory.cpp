@@ -8,7 +8,7 @@ namespace headway::detect {
 void DetectParams::describe(Params& params) {
   auto section = params.section("detect").user();
   section.add("period_s", period_s, 0.0, 100.0, "s",
-              "Period of the image detectors; greater is faster, and tracks coast in between; 0: "
+              "Period of dnn and hog, which are slow; the other detectors run on every frame; 0: "
               "every frame");
   section.renamed("every_nth_frame", "period_s",
                   [](double frames) { return frames == 1.0 ? 0.0 : secondsOfFrames(frames); });

@@ -56,6 +56,7 @@ void complete(Detection& kept, const Detection& other, const FusionParams& param
   kept.evidence.motion = kept.evidence.motion || other.evidence.motion;
   kept.evidence.change = kept.evidence.change || other.evidence.change;
   kept.evidence.appearance = kept.evidence.appearance || other.evidence.appearance;
+  kept.evidence.periodic = kept.evidence.periodic && other.evidence.periodic;
   if (!kept.detector_id) kept.detector_id = other.detector_id;
 }
 

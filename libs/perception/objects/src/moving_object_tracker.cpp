@@ -83,7 +83,8 @@ class MovingObjectTracker::Implementation {
     predictTo(time, update);
     const auto expected = expectedPlaces();
     const Matches matches = consistency_.match(expected, measured.boxes);  // Sec. III-C3
-    continueTracks(matches, frame, time, expected, measured);              // Sec. III-C2
+    continueTracks(matches, frame, time, expected, measured,
+                   detections.all_detectors_ran);  // Sec. III-C2
     startTracks(matches, frame, time, measured.boxes, update);
     for (const auto& object : objects_) {
       if (object->seenAt(time)) object->refine(time, smoother_);  // Sec. III-C1
@@ -163,15 +164,16 @@ class MovingObjectTracker::Implementation {
   }
 
   void continueTracks(const Matches& matches, std::size_t frame, Time time,
-                      const std::vector<ExpectedPlace>& expected, const DistinctBoxes& measured) {
+                      const std::vector<ExpectedPlace>& expected, const DistinctBoxes& measured,
+                      bool all_ran) {
     for (const auto& [track, detection] : matches.pairs) {
       const MeasuredBox& box = measured.likeliest(detection, expected[track]);
-      objects_[track]->update(frame, time, box);
+      objects_[track]->update(frame, time, box, all_ran);
       if (objects_[track]->statusAt(time) == TrackStatus::kConfirmed) view_.widenTo(box.position);
       if (objects_[track]->mature()) noise_.learn(expected[track], box);
     }
     for (const auto& object : objects_) {
-      if (!object->seenAt(time)) object->miss();
+      if (!object->seenAt(time)) object->miss(all_ran);
     }
   }
 

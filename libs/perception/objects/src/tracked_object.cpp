@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "recent_motion.h"
 
@@ -44,6 +45,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       box2d_(first.box2d),
       seen_from_(first.seen_from),
       score_sum_(first.score),
+      periodic_(first.evidence.periodic),
       first_seen_(time),
       last_seen_(time) {
   keepEvidence(time, first);
@@ -51,23 +53,34 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
   trajectory_.append(frame, time, first, first.position, first.yaw);
 }
 
-void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& detection) {
+void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& detection,
+                           bool all_ran) {
   filter_.updatePlace(detection);
   velocity_measured_ = detection.velocity.has_value();
   if (detection.velocity) filter_.updateVelocity(*detection.velocity);
   filter_.updateSize(detection);
   updateHeading(detection);
-  class_.add(detection);
+  if (all_ran) class_.add(detection);  // else provisional classes would outvote the network's
   keepEvidence(time, detection);
   trajectory_.append(frame, time, detection, filter_.position(), filter_.yaw());
-  score_sum_ += detection.score;
+  const int frames = 1 + std::exchange(uncounted_, 0);
+  score_sum_ += frames * detection.score;
+  hits_ += frames;
+  misses_ = 0;
+  periodic_ = detection.evidence.periodic;
   if (detection.detector_id) detector_id_ = detection.detector_id;
   box2d_ = detection.box2d;
   seen_from_ = detection.seen_from;
   last_seen_ = time;
-  misses_ = 0;
-  ++hits_;
   confirm(detection.evidence);
+}
+
+void TrackedObject::miss(bool all_ran) {
+  ++uncounted_;
+  if (periodic_ && !all_ran) return;
+  misses_ += uncounted_;
+  all_misses_ += uncounted_;
+  uncounted_ = 0;
 }
 
 // A detection by appearance has neither a new velocity nor a new template.
@@ -84,10 +97,12 @@ void TrackedObject::keepEvidence(Time time, const MeasuredBox& detection) {
 // motion in which a classifier sees no object needs more evidence.
 void TrackedObject::confirm(const DetectionEvidence& evidence) {
   const LifecycleParams& life = params_->lifecycle;
-  if (evidence.classifier_tested && !evidence.classifier) ++unclassified_hits_;
-  if (evidence.classifier_tested && evidence.classifier && evidence.motion) confirmed_ = true;
-  const int needed_hits = (unclassified_hits_ == hits_ ? kUnclassifiedRatio : 1) *
-                          rate_->observationsIn(life.confirm_time_s);
+  if (evidence.classifier_tested) {
+    classified_ = classified_.value_or(false) || evidence.classifier;
+    confirmed_ = confirmed_ || (evidence.classifier && evidence.motion);
+  }
+  const int needed_hits =
+      (classified_ == false ? kUnclassifiedRatio : 1) * rate_->observationsIn(life.confirm_time_s);
   const double score = score_sum_ * (DetectionRate::kUsual_hz / rate_->hz());
   const bool sure = hits_ >= needed_hits && score >= life.confirm_score.of(group());
   confirmed_ = confirmed_ || sure || hits_ >= rate_->observationsIn(life.confirm_anyway_time_s);
@@ -176,8 +191,9 @@ TrackStatus TrackedObject::statusAt(Time time) const {
 bool TrackedObject::shown(Time time) const {
   const LifecycleParams& life = params_->lifecycle;
   if (seenAt(time) || !confirmed_) return true;
-  return time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
-         misses_ <= life.max_coast_ratio * hits_ && score() >= life.min_coast_score.of(group()) &&
+  const bool is_certain = misses_ == 0 || score() >= life.min_coast_score.of(group());
+  return is_certain && time - last_seen_ <= life.coast_time_s + kFrameJitter_s &&
+         misses_ <= life.max_coast_ratio * hits_ &&
          meanSigma(filter_.positionCovariance()) <= life.max_coast_sigma_m;
 }
 

@@ -44,16 +44,16 @@ class TrackedObject {
   }
 
   /// Updates the state by the detection that continues the track (Sec. III-C2).
-  void update(std::size_t frame, Time time, const MeasuredBox& detection);
+  ///
+  /// @param all_ran  see Detections::all_detectors_ran
+  void update(std::size_t frame, Time time, const MeasuredBox& detection, bool all_ran);
 
   /// Smooths the path after an update (Sec. III-C1) and classifies the object's motion.
   void refine(Time time, TrajectorySmoother& smoother);
 
-  /// Counts a frame without a detection of the object.
-  void miss() {
-    ++misses_;
-    ++all_misses_;
-  }
+  /// Counts a frame without a detection of the object. One in which the detectors that see it do
+  /// not run counts as the next in which they do.
+  void miss(bool all_ran);
 
   [[nodiscard]] TrackId id() const { return id_; }
 
@@ -120,8 +120,10 @@ class TrackedObject {
   int hits_ = 1;
   int misses_ = 0;  ///< consecutive
   int all_misses_ = 0;
-  int unclassified_hits_ = 0;   ///< while a classifier saw no object there
-  bool motion_tested_ = false;  ///< in the last detection's frame
+  int uncounted_ = 0;               ///< frames since then without the detectors that see it
+  bool periodic_ = false;           ///< those of the last detection do not run on each frame
+  std::optional<bool> classified_;  ///< by a classifier ever; nullopt: none evaluated its frames
+  bool motion_tested_ = false;      ///< in the last detection's frame
   bool confirmed_ = false;
   Time first_seen_;
   Time last_seen_;

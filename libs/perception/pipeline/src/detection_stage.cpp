@@ -144,14 +144,16 @@ ObjectDetections DetectionStage::detectObjects(const RecordedFrame& frame,
   ObjectDetections boxes;
   boxes.context = context;
   if (use_recorded_) addRecorded(frame, boxes);
-  const bool has_detectors = stereo_motion_ || (!automatic_ && (shape_ || !detectors_.empty()));
   // A frame of boxes or poses alone does not take the turn of one with images.
-  boxes.detectors_run = frame.stereo && is_new && isDue(frame.time) && has_detectors;
-  if (boxes.detectors_run) {
-    const bool with_images = !automatic_ || stereo_motion_;
-    boxes.classified = has_network_ && with_images;
+  const bool with_images = frame.stereo && is_new && (!automatic_ || stereo_motion_);
+  const bool is_due = with_images && !detectors_.empty() && isDue(frame.time);
+  boxes.detectors_run = with_images && (stereo_motion_ || shape_ || is_due);
+  boxes.all_detectors_ran = is_due || detectors_.empty();
+  boxes.classified = has_network_ && is_due;
+  if (is_due) {
     for (const auto& detector : detectors_) {
-      if (with_images) boxes.sources.push_back(detector->detect(*frame.stereo));
+      boxes.sources.push_back(detector->detect(*frame.stereo));
+      for (auto& item : boxes.sources.back().items) item.evidence.periodic = true;
     }
   }
   boxes.lifting =
@@ -187,6 +189,7 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
   if (!sources.empty()) {
     auto fused = detect::fuse(sources, fusion);
     found.fused = std::move(fused.detections);
+    found.fused->all_detectors_ran = boxes.all_detectors_ran;
     for (const auto& [reason, count] : fused.dropped) found.dropped[reason] += count;
   }
   const bool lacking = found.fused && lackDepth(*found.fused);

@@ -21,7 +21,8 @@ namespace headway::pipeline {
 struct ObjectDetections {
   std::optional<stereo::FrameContext> context;  ///< of the frame; nullopt without images
   std::vector<Detections> sources;              ///< by descending quality of their information
-  bool detectors_run = false;                   ///< on this frame, once in `period_s`
+  bool detectors_run = false;                   ///< any image detector, on this frame
+  bool all_detectors_ran = true;                ///< those too that run once in `period_s`
   bool classified = false;                      ///< by a network, in this frame
   bool recorded_missing = false;                ///< for longer than `recorded_timeout_s`
   bool lifting = false;                         ///< a box without depth has to be lifted
@@ -89,7 +90,7 @@ class DetectionStage {
   [[nodiscard]] bool looksForShapes() const { return shape_.has_value(); }
 
  private:
-  /// Whether image detectors are due in a frame: the one nearest to the end of the period.
+  /// Whether `detectors_` are due in a frame: the one nearest to the end of the period.
   [[nodiscard]] bool isDue(Time time);
   void addRecorded(const RecordedFrame& frame, ObjectDetections& boxes);
   void mountShape();
@@ -102,10 +103,10 @@ class DetectionStage {
   bool use_recorded_ = false;
   bool automatic_ = false;  ///< image detectors run only without recorded boxes
   bool has_network_ = false;
-  double period_s_ = 0.0;         ///< of image detectors [s]
-  std::optional<Time> last_run_;  ///< of them
+  double period_s_ = 0.0;                                     ///< of `detectors_` [s]
+  std::vector<std::unique_ptr<detect::Detector>> detectors_;  ///< slow ones
+  std::optional<Time> last_run_;                              ///< of them
   std::optional<Time> last_images_;
-  std::vector<std::unique_ptr<detect::Detector>> detectors_;
   std::optional<detect::StereoMotion> stereo_motion_;
   std::optional<detect::PeopleByShape> shape_;
   WorkerThread matcher_;  ///< for stereo matching while SLAM runs

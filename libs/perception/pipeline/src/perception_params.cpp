@@ -17,8 +17,8 @@ constexpr const char* kStereoMotion = "stereo_motion";
 constexpr const char* kShape = "shape";
 constexpr const char* kNetwork = "dnn";
 
-/// Of detection in live operation with a network: a pass of YOLOX-nano takes 63 ms of one core, and
-/// two frames at 10 Hz have to take less than 200 ms.
+/// Of the network in live operation: a pass of YOLOX-nano takes 63 ms of one core, and two frames
+/// at 10 Hz have to take less than 200 ms.
 constexpr double kNetworkPeriod_s = 0.2;
 
 std::vector<std::string> split(const std::string& names) {

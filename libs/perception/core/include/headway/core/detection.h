@@ -58,6 +58,7 @@ struct DetectionEvidence {
   bool appearance = false;  ///< it matches the template of an expected object
   bool classifier_tested = false;  ///< an image classifier evaluated this frame
   bool motion_tested = false;      ///< motion of an object at this position would be measurable
+  bool periodic = false;           ///< only of detectors that do not run on each frame
 };
 
 struct AppearanceTemplate;  // see <headway/core/appearance.h>
@@ -84,6 +85,7 @@ struct Detections {
   Pose T_robot_sensor = robotFromOptical();  ///< the optical frame of the 3D boxes
   int image_width = 0;                       ///< of the image of the 2D boxes [px], 0 unknown
   int image_height = 0;                      ///< [px], 0 unknown
+  bool all_detectors_ran = true;  ///< false: what is detected periodically may be there, too
   std::vector<Detection> items;
 };
 

@@ -18,7 +18,7 @@ namespace headway::detect {
 
 /// Parameters of every detector.
 struct DetectParams {
-  double period_s = 0.0;  ///< of detection; tracks coast between; 0: every frame [s]
+  double period_s = 0.0;  ///< of makeDetector()'s; 0: every frame [s]
   stereo::DisparityParams disparity;
   StereoMotionParams stereo_motion;
   NetworkParams network;
