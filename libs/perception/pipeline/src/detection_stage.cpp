@@ -42,17 +42,27 @@ void correctTrucks(const StereoCamera& camera, const detect::StereoLifter& lifte
 }
 
 /// Records which detectors evaluated the frame of these detections, beside what stereo_motion says
-/// of its own. That shapes do not show a person says nothing against one; what they show moves by
-/// its motion only.
-void setTested(bool by_network, bool by_motion, const StereoCamera& camera,
+/// of its own. That shapes do not show a person says nothing against one.
+void setTested(bool by_network, Detections& detections) {
+  for (Detection& item : detections.items) {
+    item.evidence.classifier_tested = by_network || item.evidence.classifier;
+  }
+}
+
+/// Places that 2D boxes are lifted to drift: by motion, what they show moves by that only, where it
+/// is measurable.
+void liftBoxes(bool by_motion, const StereoCamera& camera, const detect::StereoLifter& lifter,
                Detections& detections) {
   double range = camera.fx * camera.baseline_m / kTestedDisparity_px;
   if (camera.isDepthCamera()) range = std::min(range, camera.depth_reach_m);
+  std::vector<Detection*> lifted;
   for (Detection& item : detections.items) {
-    item.evidence.classifier_tested = by_network || item.evidence.classifier;
-    const bool is_measurable = by_motion && item.evidence.classifier_tested && item.box3d &&
-                               item.box3d->centre.z() < range;
-    item.evidence.motion_tested = item.evidence.motion_tested || is_measurable;
+    if (lacksDepth(item)) lifted.push_back(&item);
+  }
+  detect::liftAll(detections, lifter);
+  for (Detection* item : lifted) {
+    const bool is_measurable = by_motion && item->box3d && item->box3d->centre.z() < range;
+    item->evidence.motion_tested = item->evidence.motion_tested || is_measurable;
   }
 }
 
@@ -198,11 +208,11 @@ FrameDetections DetectionStage::detectMotion(const RecordedFrame& frame,
     const auto& context = *boxes.context;
     const detect::StereoLifter lifter(camera_, context.disparity(), context.ground());
     if (may_correct) correctTrucks(*camera_, lifter, *found.fused);
-    if (lacking) detect::liftAll(*found.fused, lifter);
+    if (lacking) {
+      liftBoxes(may_correct && found.motion.tested, *camera_, lifter, *found.fused);
+    }
   }
-  if (may_correct || by_shape) {
-    setTested(may_correct, found.motion.tested, *camera_, *found.fused);
-  }
+  if (may_correct || by_shape) setTested(may_correct, *found.fused);
   found.elapsed_ms = boxes.elapsed_ms + millisecondsSince(start);
   return found;
 }
