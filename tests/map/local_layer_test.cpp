@@ -180,6 +180,21 @@ TEST(LocalLayerTest, WhatComesBackFromTheEdgeHasNotLeft) {
   EXPECT_EQ(LocalState::kNotInView, frames.at(2.0, 2.1));
 }
 
+TEST(LocalLayerTest, SaysWhereWhoLeftTheViewMayBeLater) {
+  Frames frames;
+  frames.see(Scene());
+  for (const double y : {1.2, 1.4, 1.6}) frames.see({{{2.0, y}}}, 3);
+  frames.see(Scene());
+  const auto within = [&](double y, double seconds) {
+    return frames.layer.at({2.0, y}, frames.now, kCaution, seconds);
+  };
+  EXPECT_EQ(LocalState::kNotInView, within(2.9, 0.0));
+  EXPECT_EQ(LocalState::kEntered, within(2.9, 1.0));
+  EXPECT_EQ(LocalState::kFree, within(0.5, 1.0)) << "not where they come from";
+  frames.see(Scene(), 40);
+  EXPECT_EQ(LocalState::kNotInView, within(2.9, 1.0)) << "nobody came";
+}
+
 TEST(LocalLayerTest, WhatStoodBesideTheRobotBlocksForLongerThanWhatPassed) {
   const auto turned = [](Frames& frames, double seconds) {  // away, so that it is out of view
     const Pose away(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));

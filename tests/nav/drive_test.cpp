@@ -98,7 +98,9 @@ class GovernedDrive {
         {command.speed, 0.0, command.turn_rate},
         {{knowledge.pose->x, knowledge.pose->y}, knowledge.pose->phi, motion},
         knowledge.map.movingObjects().tracks(), 0.0,
-        [&](const Eigen::Vector2d& place) { return query.groundNow(place); });
+        [&](const Eigen::Vector2d& place, double within_s) {
+          return query.groundNow(place, within_s);
+        });
   }
 
   static DriveSetup slowHall() {

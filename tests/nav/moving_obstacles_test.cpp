@@ -53,9 +53,11 @@ class TrackMemoryTest : public testing::Test {
   TrackMemoryTest() { stand(10.0); }
 
   /// The robot stands on its place at a time, and knows that by then it was free.
-  void stand(Time time) {
+  void stand(Time time, const GroundScan& scan = {}) {
     auto layer = std::make_shared<map::LocalLayer>(5.0, map::RobotFootprint{0.5, 0.4});
-    layer->add(time, Pose::Identity(), {}, std::nullopt);
+    for (int frame = 0; frame < 3; ++frame) {
+      layer->add(time, Pose::Identity(), scan, std::nullopt);
+    }
     map_.update(std::shared_ptr<const map::LocalLayer>(layer));
   }
 
@@ -95,6 +97,16 @@ TEST_F(TrackMemoryTest, WhoIsSeenAgainOrNotToBeThereIsForgotten) {
   EXPECT_EQ(2u, at(11.0, {}).size()) << "what was free before they came says nothing";
   stand(11.0);
   EXPECT_EQ(1u, at(11.0, {}).size()) << "the robot stands where the second one would be";
+}
+
+TEST_F(TrackMemoryTest, SomethingBesideThePredictedPlaceMayBeThem) {
+  (void)at(10.0, {walkingTrack(1, {-1.0, 0.1}, {1.0, 0.0})});
+  GroundScan scan;
+  scan.obstacles = {{{0.1F, 0.33F, 0.0F}, 0.03F}};
+  stand(11.0, scan);
+  EXPECT_EQ(1u, at(11.0, {}).size());
+  stand(11.1);
+  EXPECT_TRUE(at(11.1, {}).empty());
 }
 
 TEST_F(TrackMemoryTest, WhoStandsStillIsNotRemembered) {

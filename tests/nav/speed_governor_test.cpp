@@ -64,6 +64,9 @@ TEST(SpeedGovernorTest, DoesNotTurnWhileSomebodyWalksIntoIt) {
   const Track track = walkingTrack(1, {1.2, 0.0}, {-1.2, 0.0}, 0.05);
   EXPECT_EQ(governor.speedRatio({0.0, 0.0, 1.0}, robot, {track}, 0.0), 0.0);
   EXPECT_EQ(governor.speedRatio({0.0, 0.0, 1.0}, robot, {}, 0.0), 1.0);
+  const Track towards_a_corner = walkingTrack(2, {0.72, -0.39}, {-1.0, 0.78}, 0.1);
+  EXPECT_EQ(governor.speedRatio({0.0, 0.0, 0.8}, robot, {towards_a_corner}, 0.0), 0.0)
+      << "nor slowly";
 }
 
 TEST(SpeedGovernorTest, SlowsLessForAnImprobableFuture) {
@@ -131,7 +134,7 @@ TEST(SpeedGovernorTest, KnowsHowLongItTakesToStart) {
 
 TEST(SpeedGovernorTest, DrivesNoFasterThanItCanBrakeOnFreeGround) {
   const auto freeTo = [](double x) {
-    return [x](const Eigen::Vector2d& place) {
+    return [x](const Eigen::Vector2d& place, double) {
       return place.x() < x ? map::LocalState::kFree : map::LocalState::kUnknown;
     };
   };
@@ -147,14 +150,14 @@ TEST(SpeedGovernorTest, DrivesNoFasterThanItCanBrakeOnFreeGround) {
 
 TEST(SpeedGovernorTest, TurnsOnTheSpotWhereNothingIsBlocked) {
   for (const auto state : {map::LocalState::kNotInView, map::LocalState::kUnknown}) {
-    const auto everywhere = [state](const Eigen::Vector2d&) { return state; };
+    const auto everywhere = [state](const Eigen::Vector2d&, double) { return state; };
     EXPECT_EQ(speedRatioOn(everywhere, {0.0, 0.0, 1.0}), 1.0);
   }
-  const auto entered = [](const Eigen::Vector2d&) { return map::LocalState::kEntered; };
+  const auto entered = [](const Eigen::Vector2d&, double) { return map::LocalState::kEntered; };
   EXPECT_EQ(speedRatioOn(entered, {0.0, 0.0, 1.0}), 0.0) << "into somebody who is beside it now";
   // Somebody at its left, within reach of its corners.
   const auto beside = [](double left_m) {
-    return [left_m](const Eigen::Vector2d& place) {
+    return [left_m](const Eigen::Vector2d& place, double) {
       return place.y() > left_m ? map::LocalState::kBlocked : map::LocalState::kFree;
     };
   };
@@ -164,7 +167,7 @@ TEST(SpeedGovernorTest, TurnsOnTheSpotWhereNothingIsBlocked) {
 }
 
 TEST(SpeedGovernorTest, DoesNotCreepTowardsWhomItSeesNoMore) {
-  const auto entered = [](const Eigen::Vector2d& place) {
+  const auto entered = [](const Eigen::Vector2d& place, double) {
     return place.x() > 0.265 ? map::LocalState::kUnknown : map::LocalState::kFree;
   };
   EXPECT_EQ(speedRatioOn(entered, {0.2, 0.0, 0.0}), 0.0) << "within its radius";

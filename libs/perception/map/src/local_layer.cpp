@@ -168,7 +168,19 @@ bool LocalLayer::mayBeEntered(const Vector2d& place, float since_s, Time now,
   });
 }
 
-LocalState LocalLayer::at(const Vector2d& place, Time now, double caution) const {
+/// What left the view, going on, unless it is seen not to be where it would be now.
+bool LocalLayer::mayCome(const Vector2d& place, Time now, double within_s, double caution) const {
+  return std::any_of(intruders_.begin(), intruders_.end(), [&](const Intruder& one) {
+    const double age_s = now - one.time, then_s = age_s + within_s;
+    if (age_s > caution * kLocalHold_s) return false;
+    const double walks_on_m = kLocal.radius_m + caution * one.spread_mps * then_s;
+    if ((place - one.place - then_s * one.velocity).norm() >= walks_on_m) return false;
+    const Cell* there = find(one.place + age_s * one.velocity);
+    return there == nullptr || there->free_s < static_cast<float>(one.time - start_);
+  });
+}
+
+LocalState LocalLayer::at(const Vector2d& place, Time now, double caution, double within_s) const {
   const bool in_view = isInView(place);
   const Cell* cell = find(place);
   const double odds = cell == nullptr ? 0.0 : oddsOf(*cell, in_view, now, caution * kLocalHold_s);
@@ -176,6 +188,7 @@ LocalState LocalLayer::at(const Vector2d& place, Time now, double caution) const
   const bool is_free = odds <= -kLocal.known;
   const float since_s = is_free ? cell->seen_s : 0.0F;
   if (!in_view && mayBeEntered(place, since_s, now, caution)) return LocalState::kEntered;
+  if (within_s > 0.0 && mayCome(place, now, within_s, caution)) return LocalState::kEntered;
   if (is_free) return LocalState::kFree;
   if (in_view && isGap(place, now)) return LocalState::kFree;
   return in_view ? LocalState::kUnknown : LocalState::kNotInView;

@@ -198,9 +198,9 @@ std::optional<double> MapQuery::groundAt(const Vector2d& place, Time time) const
   return staticOccupancyAt(place);
 }
 
-LocalState MapQuery::localAt(const Vector2d& place) const {
+LocalState MapQuery::localAt(const Vector2d& place, double within_s) const {
   if (map_.local() == nullptr) return LocalState::kNotInView;
-  return map_.local()->at(T_odom_map_ * (T_map_asked_ * place), now_, params_.caution);
+  return map_.local()->at(T_odom_map_ * (T_map_asked_ * place), now_, params_.caution, within_s);
 }
 
 bool MapQuery::wasSeenFree(const Vector2d& place, Time since) const {
@@ -208,9 +208,9 @@ bool MapQuery::wasSeenFree(const Vector2d& place, Time since) const {
                                                               since, now_, params_.caution);
 }
 
-LocalState MapQuery::groundNow(const Vector2d& place) const {
+LocalState MapQuery::groundNow(const Vector2d& place, double within_s) const {
   if (status_ != QueryStatus::kKnown) return LocalState::kUnknown;
-  const LocalState now = localAt(place);
+  const LocalState now = localAt(place, within_s);
   if (now != LocalState::kNotInView) return now;
   const auto occupied = staticOccupancyAt(T_map_asked_ * place);
   return occupied && *occupied < 0.5 ? LocalState::kFree : now;

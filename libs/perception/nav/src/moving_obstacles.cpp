@@ -214,6 +214,19 @@ static std::optional<Track> advanced(const Track& track, double age_s) {
   return later;
 }
 
+/// Whether a remembered track is seen to be gone: its place is free, and nothing is or may be
+/// within its size of it, where its prediction may be wrong.
+static bool isSeenGone(const Track& track, Time since, const map::MapQuery& query) {
+  const Vector2d place = track.position.head<2>();
+  if (!query.wasSeenFree(place, since)) return false;
+  std::vector<Vector2d> around;
+  appendOutline(map::footprintOf(track), place, track.yaw, {}, track.size.x(), around);
+  return std::none_of(around.begin(), around.end(), [&](const Vector2d& beside) {
+    const map::LocalState state = query.localAt(beside);
+    return state == map::LocalState::kBlocked || state == map::LocalState::kEntered;
+  });
+}
+
 std::vector<Track> TrackMemory::with(const std::vector<Track>& tracks, Time time,
                                      const Pose& T_map_odom, const map::MapQuery& query) {
   const Pose T_odom_map = T_map_odom.inverse(Eigen::Isometry);
@@ -228,7 +241,7 @@ std::vector<Track> TrackMemory::with(const std::vector<Track>& tracks, Time time
     if (!later) return std::nullopt;
     Track in_map = transformed(*later, T_map_odom);
     const Vector2d place = in_map.position.head<2>();
-    if (query.wasSeenFree(place, one.time)) return std::nullopt;
+    if (isSeenGone(in_map, one.time, query)) return std::nullopt;
     const bool is_other = std::any_of(tracks.begin(), tracks.end(), [&](const Track& track) {
       return isShown(track) && (track.position.head<2>() - place).norm() < in_map.size.x();
     });

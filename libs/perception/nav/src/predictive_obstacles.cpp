@@ -198,7 +198,9 @@ double PredictiveObstacles::admissibleSpeedRatio(const CVehicleVelCmd& command) 
   const auto query = queryOf(*snapshot);
   SpeedGovernor::GroundNow ground;
   if (snapshot->local() != nullptr) {
-    ground = [&query](const Vector2d& place) { return query.groundNow(place); };
+    ground = [&query](const Vector2d& place, double within_s) {
+      return query.groundNow(place, within_s);
+    };
   }
   return governor_.speedRatio(*twist, *robot, tracksOf(*snapshot, query), std::max(0.0, age_s),
                               ground);

@@ -22,6 +22,11 @@ constexpr double kStandstill_mps = 0.02;  ///< [m/s]
 constexpr double kUnderRobot_m = 0.01;    ///< about its outline: where it stands
 constexpr double kOutlineStep = 0.25;     ///< between points of a side, of half its length
 
+bool isStanding(const GroundTwist& twist, double corner_m) {
+  return std::abs(twist.forward) < kStandstill_mps && std::abs(twist.sideways) < kStandstill_mps &&
+         std::abs(twist.turn) * corner_m < kStandstill_mps;
+}
+
 /// The probability that a standard normal value is above x.
 double above(double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); }
 
@@ -63,21 +68,21 @@ bool SpeedGovernor::brakesOnFreeGround(double speed_mps, double turn_radps,
   const double way_m = wayOf(speed_mps), corner_way_m = wayOf(turn_radps * half.norm());
   const double turns_within_m = std::max(params_.robot.radius_m, half.norm() + kMinSigma_m);
   const Eigen::Rotation2Dd back(-robot.yaw);
-  const auto isFree = [&](const Vector2d& place) {
+  const auto isFree = [&](const Vector2d& place, double within_s) {
     const Vector2d offset = place - robot.place;
     const Vector2d outside = (back * offset).cwiseAbs() - half;
     if (outside.maxCoeff() < kUnderRobot_m) return true;
-    const map::LocalState state = ground(place);
+    const map::LocalState state = ground(place, within_s);
     if (state == map::LocalState::kFree || offset.norm() > turns_within_m) {
       return state == map::LocalState::kFree;
     }
     return state == map::LocalState::kNotInView ||
            (state == map::LocalState::kUnknown && speed_mps == 0.0);
   };
-  const auto isOutlineFree = [&](const GroundState& at) {
+  const auto isOutlineFree = [&](const GroundState& at, double within_s) {
     const Eigen::Rotation2Dd turn(at.yaw);
     const auto isFreeAt = [&](double x, double y) {
-      return isFree(at.place + turn * Vector2d(x, y));
+      return isFree(at.place + turn * Vector2d(x, y), within_s);
     };
     for (double s = -1.0; s <= 1.0; s += kOutlineStep) {
       const bool is_free_here =
@@ -88,12 +93,14 @@ bool SpeedGovernor::brakesOnFreeGround(double speed_mps, double turn_radps,
     return true;
   };
   double driven_m = 0.0, corner_m = 0.0;
+  double time_s = age_s;
   const GroundState* last = &robot;
   for (const GroundState& at : driven_) {
     driven_m += (at.place - last->place).norm();
     corner_m += std::abs(at.yaw - last->yaw) * half.norm();
     last = &at;
-    if (!isOutlineFree(at)) return false;
+    time_s += kStep_s;
+    if (!isOutlineFree(at, time_s)) return false;
     if (driven_m >= way_m && corner_m >= corner_way_m) return true;
   }
   return true;
@@ -129,6 +136,8 @@ void SpeedGovernor::predictFutures(const std::vector<Track>& tracks, const Groun
 
 void SpeedGovernor::drive(const GroundTwist& command, double ratio, const GroundState& from) {
   driven_.resize(steps_);
+  rests_ = isStanding({ratio * command.forward, ratio * command.sideways, ratio * command.turn},
+                      0.5 * std::hypot(params_.robot.length_m, params_.robot.width_m));
   GroundState state = from;
   const double keep = std::exp(-kStep_s / std::max(1e-3, params_.governor.lag_s));
   const double keep_turn = std::exp(-kStep_s / kTurnMemory_s);
@@ -183,9 +192,7 @@ double SpeedGovernor::contactProbability(const Future& future) const {
     const Vector2d towards = offset.normalized();
     const double sigma = std::sqrt(kMinSigma_m * kMinSigma_m +
                                    std::max(0.0, towards.dot(future.variances[i] * towards)));
-    const bool stands = std::abs(robot.twist.forward) < kStandstill_mps &&
-                        std::abs(robot.twist.sideways) < kStandstill_mps &&
-                        std::abs(robot.twist.turn) * half.norm() < kStandstill_mps;
+    const bool stands = rests_ && isStanding(robot.twist, half.norm());
     const double weight =
         (stands ? params_.governor.standing_ratio : 1.0) *
         std::exp(-static_cast<double>(i + 1) * kStep_s / params_.governor.patience_s);

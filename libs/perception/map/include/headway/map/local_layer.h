@@ -20,7 +20,7 @@ enum class LocalState {
   kBlocked,    ///< something stands there
   kFree,       ///< it was seen to be free, and nothing was seen to enter it since
   kUnknown,    ///< it is in view and not seen
-  kEntered,    ///< it is out of view, and something was seen to leave the view that may be there
+  kEntered,    ///< something was seen to leave the view that may be there
   kNotInView,  ///< nothing is known about it that is newer than the map
 };
 
@@ -61,7 +61,9 @@ class LocalLayer {
   /// @param place    odometry frame [m]
   /// @param caution  0 to 1: how long (6 s with 1) and how far (at 1.5 m/s with 1) what is out of
   ///                 view counts
-  [[nodiscard]] LocalState at(const Eigen::Vector2d& place, Time now, double caution) const;
+  /// @param within_s kEntered, too, where what left the view may be by then [s]
+  [[nodiscard]] LocalState at(const Eigen::Vector2d& place, Time now, double caution,
+                              double within_s = 0.0) const;
 
   /// Whether a place is free because it was seen to be, after a time.
   [[nodiscard]] bool wasSeenFree(const Eigen::Vector2d& place, Time since, Time now,
@@ -108,6 +110,8 @@ class LocalLayer {
   [[nodiscard]] double oddsOf(const Cell& cell, bool in_view, Time now, double hold_s) const;
   [[nodiscard]] bool mayBeEntered(const Eigen::Vector2d& place, float since_s, Time now,
                                   double caution) const;
+  [[nodiscard]] bool mayCome(const Eigen::Vector2d& place, Time now, double within_s,
+                             double caution) const;
   [[nodiscard]] Eigen::Vector2d nearestOfRobot(const Eigen::Vector3f& point) const;
   void addStrip(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Frame& frame) const;
   void enter(const Frame& frame, Time time, double weight);

@@ -139,12 +139,14 @@ class MapQuery {
                                       Time time) const;
 
   /// What the newest frames say about a place [m]; kNotInView if none was scanned for it.
-  [[nodiscard]] LocalState localAt(const Eigen::Vector2d& place) const;
+  ///
+  /// @param within_s  kEntered, too, where what left the view may be by then [s]
+  [[nodiscard]] LocalState localAt(const Eigen::Vector2d& place, double within_s = 0.0) const;
   /// Whether the newest frames say that a place is free [m], by what was seen of it after a time.
   [[nodiscard]] bool wasSeenFree(const Eigen::Vector2d& place, Time since) const;
   /// What the newest frames say about the ground; where they say nothing, kFree if the static grid
   /// does. kUnknown of a map that cannot be asked.
-  [[nodiscard]] LocalState groundNow(const Eigen::Vector2d& place) const;
+  [[nodiscard]] LocalState groundNow(const Eigen::Vector2d& place, double within_s = 0.0) const;
   /// Where something stands by the newest frames: centres of cells [m].
   [[nodiscard]] std::vector<Eigen::Vector2d> blockedNow() const;
 

@@ -44,12 +44,14 @@ class SpeedGovernor {
   /// @throws InputError if a parameter is out of range
   explicit SpeedGovernor(const PredictiveObstaclesParams& params);
 
-  /// What is known now of the ground at a place of the map; kNotInView: never seen.
-  using GroundNow = std::function<map::LocalState(const Eigen::Vector2d&)>;
+  /// What is known now of the ground at a place of the map, kNotInView: never seen; kEntered, too,
+  /// where somebody may be within a time [s].
+  using GroundNow = std::function<map::LocalState(const Eigen::Vector2d&, double within_s)>;
 
-  /// A ratio is admissible only if the robot can brake on ground that is free now. Within its
-  /// radius, which it may never have seen, it turns on the spot where nothing is blocked, and moves
-  /// where nothing is blocked or may have been entered.
+  /// A ratio is admissible only if the robot can brake on ground that is free now, and that nobody
+  /// who left the view may have entered by then. Within its radius, which it may never have seen, it
+  /// turns on the spot where nothing is blocked, and moves where nothing is blocked or may have been
+  /// entered.
   ///
   /// @param age_s   age of the tracks and of what is known about the ground [s]
   /// @param ground  empty: all ground counts as free
@@ -82,6 +84,7 @@ class SpeedGovernor {
   std::vector<Future> futures_;  ///< by track; buffer of which future_count_ are valid
   std::size_t future_count_ = 0;
   std::vector<GroundState> driven_;  ///< predicted states, one per time step
+  bool rests_ = false;               ///< whether they are those of a robot commanded to rest
 };
 
 }  // namespace headway::nav
