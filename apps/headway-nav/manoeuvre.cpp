@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace headway::app {
 namespace {
@@ -19,13 +20,19 @@ using sim::DriveCommand;
 // A forward arc of the navigator reaches a target at up to this bearing within its own length.
 constexpr double kTurnFrom_rad = 1.0, kTurnTo_rad = 0.3;
 constexpr double kTurn_radps = 0.8;  // slow enough to be followed by a camera at 15 Hz
-constexpr double kPatience_s = 3.0;  // at rest: somebody who walks has passed
+// At rest: somebody who walks has passed; ways round who walks change sides.
+constexpr double kPatience_s = 3.0, kSettled_s = 0.4;
 constexpr double kMoved_m = 0.1, kMoved_rad = 0.2;
 constexpr double kWayOut_s = 1.0, kWayOut_mps = 0.25;
-constexpr double kEnough_m = 0.2;  // more room is worth nothing
-constexpr double kBehind_m = 0.1;  // of room that it must gain where it does not look
-constexpr double kNear_m = 0.15;   // whoever is nearer while it turns passes first
-constexpr double kTouch_m = 0.03;  // half a cell of a grid
+
+/// Space beside the robot [m].
+struct Space {
+  double enough = 0.2;  ///< more is worth nothing
+  double behind = 0.1;  ///< it must gain where it does not look
+  double near = 0.15;   ///< whoever is nearer while it turns passes first
+  double touch = 0.03;  ///< half a cell of a grid
+};
+constexpr Space kSpace_m;
 constexpr double kTick_s = 0.1;
 
 }  // namespace
@@ -38,14 +45,16 @@ bool Manoeuvre::isDue(double time_s, const TPose2D& robot, const Vector2d& targe
     stood_ = robot;
     stood_since_s_ = time_s;
   }
+  const bool turned = turns_, was_left = std::exchange(is_left_, bearing_ > 0.0);
   turns_ = std::abs(bearing_) > (turns_ ? kTurnTo_rad : kTurnFrom_rad);
+  if (turned && is_left_ != was_left) changed_side_at_s_ = time_s;
   return turns_ || time_s < steps_out_until_s_ || time_s - stood_since_s_ > kPatience_s;
 }
 
 std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles,
                                                const IsAdmitted& is_admitted) {
   if (time_s_ < steps_out_until_s_) {
-    if (roomAfter(obstacles, way_out_, 2.0 * kTick_s, kTouch_m)) return way_out_;
+    if (roomAfter(obstacles, way_out_, 2.0 * kTick_s, kSpace_m.touch)) return way_out_;
     steps_out_until_s_ = time_s_;
   }
   if (time_s_ - stood_since_s_ > kPatience_s) {
@@ -57,15 +66,17 @@ std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles
     }
   }
   const DriveCommand turn{0.0, bearing_ < 0.0 ? -kTurn_radps : kTurn_radps};
-  if (turns_ && roomAt(obstacles, {}) >= kNear_m &&
-      roomAfter(obstacles, turn, std::abs(bearing_) / kTurn_radps, kNear_m) && is_admitted(turn))
+  if (turns_ && time_s_ - changed_side_at_s_ >= kSettled_s &&
+      roomAt(obstacles, {}) >= kSpace_m.near &&
+      roomAfter(obstacles, turn, std::abs(bearing_) / kTurn_radps, kSpace_m.near) &&
+      is_admitted(turn))
     return turn;
   return std::nullopt;
 }
 
 double Manoeuvre::roomAt(const CSimplePointsMap& obstacles, const TPose2D& place) const {
   const Eigen::Rotation2Dd turn(-place.phi);
-  double room = kEnough_m;
+  double room = kSpace_m.enough;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     double x = 0.0, y = 0.0;
     obstacles.getPoint(i, x, y);
@@ -98,12 +109,12 @@ std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles,
   for (const double speed : {0.0, kWayOut_mps, -kWayOut_mps}) {
     for (const double turn_rate : {-kTurn_radps, 0.0, kTurn_radps}) {
       if (speed == 0.0 && turn_rate == 0.0) continue;
-      const auto room = roomAfter(obstacles, {speed, turn_rate}, kWayOut_s, kTouch_m);
+      const auto room = roomAfter(obstacles, {speed, turn_rate}, kWayOut_s, kSpace_m.touch);
       if (!room) continue;
-      const double gain = *room - (speed < 0.0 ? kBehind_m : 0.0);
+      const double gain = *room - (speed < 0.0 ? kSpace_m.behind : 0.0);
       // Of equal room, what turns it to its target.
       const double score =
-          gain / kEnough_m + 0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s));
+          gain / kSpace_m.enough + 0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s));
       if (!(score > best_score) || !is_admitted({speed, turn_rate})) continue;
       best = DriveCommand{speed, turn_rate};
       best_score = score;

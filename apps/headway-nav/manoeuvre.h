@@ -14,10 +14,10 @@ namespace headway::app {
 
 /// Slow motions of a robot that drives forwards, where its navigator's arcs lead nowhere.
 ///
-/// It turns on the spot towards a target that is beside or behind it. When it has stood for 3 s it
-/// moves for a second to where it has more room: arcs begin in free space only. The
-/// former keeps 15 cm from obstacles, so that whoever comes near passes, the latter 3 cm, or what
-/// there is.
+/// It turns on the spot towards a target that is beside or behind it, not at once back. When it has
+/// stood for 3 s it moves for a second to where it has more room: arcs begin in free space only.
+/// The former keeps 15 cm from obstacles, so that whoever comes near passes, the latter 3 cm, or
+/// what there is.
 class Manoeuvre {
  public:
   /// @param size  length and width of the robot [m]
@@ -47,8 +47,10 @@ class Manoeuvre {
 
   Eigen::Vector2d size_;
   double time_s_ = 0.0;
-  double bearing_ = 0.0;       ///< of the target [rad]
-  bool turns_ = false;         ///< towards it
+  double bearing_ = 0.0;  ///< of the target [rad]
+  bool turns_ = false;    ///< towards it
+  bool is_left_ = false;  ///< of the robot
+  double changed_side_at_s_ = -1.0e9;
   mrpt::math::TPose2D stood_;  ///< where it stands or stood last
   double stood_since_s_ = 0.0;
   sim::DriveCommand way_out_;  ///< until then

@@ -43,6 +43,19 @@ TEST(ManoeuvreTest, TurnsUntilTheTargetIsAhead) {
   EXPECT_FALSE(manoeuvre.isDue(1.5, {0.0, 0.0, 0.8}, {4.0, 0.0}));
 }
 
+TEST(ManoeuvreTest, DoesNotTurnToAndFro) {
+  Manoeuvre manoeuvre(kRobotSize);
+  const auto turnTo = [&](double time_s, const Vector2d& target) {
+    EXPECT_TRUE(manoeuvre.isDue(time_s, {}, target));
+    const auto motion = manoeuvre.command({}, kAll);
+    return motion ? motion->turn_rate : 0.0;
+  };
+  EXPECT_GT(turnTo(0.0, {0.0, 3.0}), 0.0);
+  EXPECT_EQ(turnTo(0.1, {0.0, -3.0}), 0.0) << "it may be there for a moment only";
+  EXPECT_EQ(turnTo(0.3, {0.0, -3.0}), 0.0);
+  EXPECT_LT(turnTo(0.6, {0.0, -3.0}), 0.0);
+}
+
 TEST(ManoeuvreTest, LeavesWhatItTouchesAfterItHasStood) {
   Manoeuvre manoeuvre(kRobotSize);
   // Somebody's elbow at a front corner, a wall ahead: no arc of the navigator begins there.
