@@ -12,6 +12,7 @@
 
 #include "guide.h"
 #include "manoeuvre.h"
+#include "trial_pictures.h"
 
 namespace headway::app {
 namespace {
@@ -393,6 +394,8 @@ TrialMoment Drive::moment() const {
   moment.tracks = base_.knowledge().map.movingObjects().tracks();
   if (target_) moment.obstacles = inMap(obstacles_.sensed(), *base_.knowledge().pose);
   moment.contact = touched_;
+  moment.ground = drawGround(base_.knowledge().map, setup_.nav.caution, base_.knowledge().expected,
+                             setup_.robot);
   const cv::Mat& image = base_.knowledge().image;
   if (!image.empty()) {
     const int height = kImageWidth * image.rows / image.cols;

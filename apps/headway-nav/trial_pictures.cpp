@@ -2,7 +2,8 @@
 // Pictures of trials from above, the policies side by side.
 #include "trial_pictures.h"
 
-#include <mrpt/math/TPose2D.h>
+#include <headway/map/map_query.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -31,6 +32,32 @@ const cv::Scalar kPaper(250, 250, 250), kInk(60, 50, 45), kFaint(215, 215, 215);
 const cv::Scalar kRobot(170, 95, 30), kPerson(40, 130, 235), kPillar(140, 140, 140);
 const cv::Scalar kPrediction(80, 165, 70), kObstacle(60, 60, 215), kContact(40, 40, 220);
 
+/// Colours of what is known of the ground.
+struct GroundColours {
+  cv::Vec3b blocked{60, 60, 215}, free{205, 235, 200}, entered{90, 190, 250},
+      unknown{200, 200, 200}, not_seen{250, 250, 250};
+
+  [[nodiscard]] cv::Vec3b of(map::LocalState state) const {
+    switch (state) {
+      case map::LocalState::kBlocked:
+        return blocked;
+      case map::LocalState::kFree:
+        return free;
+      case map::LocalState::kUnknown:
+        return unknown;
+      case map::LocalState::kEntered:
+        return entered;
+      case map::LocalState::kNotInView:
+        break;
+    }
+    return not_seen;
+  }
+  [[nodiscard]] cv::Vec3b of(float free_probability) const {
+    if (free_probability > 0.6F) return free;
+    return free_probability < 0.4F ? blocked : not_seen;
+  }
+};
+
 /// Panel of one trial in a picture: its ground from above, x upwards, y to the left.
 ///
 /// Places are of the trial's frame [m]. The scale is such that `bounds` fill the panel, and is
@@ -43,8 +70,8 @@ class TrialPanel {
 
   /// Grid, scale, and what stands there.
   void drawGround(const TrialScene& scene);
-  /// A picture in the lower left corner.
-  void inset(const cv::Mat& picture);
+  /// A picture in the lower left corner, or in the right one.
+  void inset(const cv::Mat& picture, bool right = false);
   void circle(const Eigen::Vector2d& centre, double radius_m, const cv::Scalar& colour,
               int thickness);
   void dot(const Eigen::Vector2d& centre, int radius_px, const cv::Scalar& colour);
@@ -106,12 +133,13 @@ void TrialPanel::drawGround(const TrialScene& scene) {
   text("goal", scene.goal - Vector2d(0.0, 0.6), 0.45, kRobot);
 }
 
-void TrialPanel::inset(const cv::Mat& picture) {
+void TrialPanel::inset(const cv::Mat& picture, bool right) {
   if (picture.empty()) return;
   cv::Mat colour = picture;
   if (picture.channels() == 1) cv::cvtColor(picture, colour, cv::COLOR_GRAY2BGR);
   const int bottom = kLayout.height - kLayout.legend - 40;  // above the scale
-  const cv::Rect place(0, bottom - colour.rows, colour.cols, colour.rows);
+  const int left = right ? image_.cols - colour.cols : 0;
+  const cv::Rect place(left, bottom - colour.rows, colour.cols, colour.rows);
   colour.copyTo(image_(place));
 }
 
@@ -227,8 +255,8 @@ void label(cv::Mat& image, int& x, const std::string& words) {
   x += cv::getTextSize(words, cv::FONT_HERSHEY_SIMPLEX, 0.48, 1, &baseline).width + 26;
 }
 
-/// Legend and note.
-void drawLegend(cv::Mat& image, const std::string& note) {
+/// Legend, also of pictures of the ground, and note.
+void drawLegend(cv::Mat& image, bool has_ground, const std::string& note) {
   cv::rectangle(image, {0, kLayout.height - kLayout.legend, image.cols, kLayout.legend}, kPaper,
                 cv::FILLED);
   cv::line(image, {0, kLayout.height - kLayout.legend},
@@ -247,6 +275,12 @@ void drawLegend(cv::Mat& image, const std::string& note) {
   mark(kPillar, 8, "pillar");
   mark(kPrediction, 4, "predicted, 3 s");
   mark(kObstacle, 3, "obstacles the planner gets");
+  if (has_ground) {
+    const GroundColours ground;
+    mark(ground.free, 8, "free");
+    mark(ground.entered, 8, "may be entered");
+    mark(ground.unknown, 8, "unknown");
+  }
   label(image, x, note);
 }
 
@@ -313,6 +347,7 @@ void drawRecordAt(TrialPanel& panel, const TrialRecord& record, double time_s) {
   panel.line(centre, centre + 0.22 * nose, kPaper, 2);
   for (const auto& point : moment.obstacles) panel.dot(point, 1, kObstacle);
   panel.inset(moment.image);
+  panel.inset(moment.ground, true);
   const bool contact = contactUntil(record, last);
   std::string state = secondsText("", moment.time_s);
   if (last + 1 == record.moments.size() && record.result.goal_reached) {
@@ -369,7 +404,53 @@ void drawRecordWhole(TrialPanel& panel, const TrialRecord& record) {
   panel.title(record.policy, state, record.result.collided);
 }
 
+/// Layout of a picture of the ground.
+struct GroundLayout {
+  int cells = 110;  ///< along a side
+  double cell_m = 0.06;
+  int scale = 2;   ///< pixels of a cell
+  int title = 22;  ///< height [px]
+};
+constexpr GroundLayout kGround;
+
 }  // namespace
+
+cv::Mat drawGround(const map::PerceptionMap& map, double caution, const mrpt::math::TPose2D& pose,
+                   const RobotParams& robot) {
+  map::MapQueryParams params;
+  params.caution = caution;
+  const map::MapQuery query(map, map.movingObjects().time(), params);
+  const auto grid = map.staticGrid();
+  const GroundColours colours;
+  cv::Mat now(kGround.cells, kGround.cells, CV_8UC3), known(now.size(), CV_8UC3);
+  const Eigen::Rotation2Dd turn(pose.phi);
+  for (int row = 0; row < kGround.cells; ++row) {
+    for (int column = 0; column < kGround.cells; ++column) {
+      const Vector2d cell(0.5 * kGround.cells - row - 0.5, 0.5 * kGround.cells - column - 0.5);
+      const Vector2d place = Vector2d(pose.x, pose.y) + turn * (kGround.cell_m * cell);
+      now.at<cv::Vec3b>(row, column) = colours.of(query.localAt(place));
+      known.at<cv::Vec3b>(row, column) = colours.of(
+          grid ? grid->getPos(static_cast<float>(place.x()), static_cast<float>(place.y())) : 0.5F);
+    }
+  }
+  cv::Mat picture;
+  cv::hconcat(now, known, picture);
+  cv::resize(picture, picture, {}, kGround.scale, kGround.scale, cv::INTER_NEAREST);
+  const int side = kGround.scale * kGround.cells;
+  const double px = kGround.scale / kGround.cell_m;
+  const cv::Size body(cvRound(px * robot.width_m), cvRound(px * robot.length_m));
+  for (const int left : {0, side}) {
+    const cv::Point corner(left + (side - body.width) / 2, (side - body.height) / 2);
+    cv::rectangle(picture, {corner, body}, kRobot, cv::FILLED);
+    cv::rectangle(picture, cv::Rect(left, 0, side, side), kFaint);
+  }
+  cv::copyMakeBorder(picture, picture, kGround.title, 0, 0, 0, cv::BORDER_CONSTANT, kPaper);
+  for (const auto& [left, words] : {std::pair{0, "seen now"}, {side, "map"}}) {
+    cv::putText(picture, words, {left + 6, kGround.title - 6}, cv::FONT_HERSHEY_SIMPLEX, 0.48, kInk,
+                1, cv::LINE_AA);
+  }
+  return picture;
+}
 
 cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& robot,
                    double time_s) {
@@ -378,7 +459,8 @@ cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& r
     TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i]));
     drawRecordAt(panel, records[i], time_s);
   }
-  drawLegend(picture, secondsText("time ", time_s));
+  const bool has_ground = !records.front().moments.front().ground.empty();
+  drawLegend(picture, has_ground, secondsText("time ", time_s));
   return picture;
 }
 
@@ -388,7 +470,7 @@ cv::Mat drawWhole(const std::vector<TrialRecord>& records, const RobotParams& ro
     TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i]));
     drawRecordWhole(panel, records[i]);
   }
-  drawLegend(picture, "numbers: seconds; red: contact");
+  drawLegend(picture, false, "numbers: seconds; red: contact");
   return picture;
 }
 

@@ -61,5 +61,24 @@ TEST(TopViewTest, EachRecordFillsItsPanel) {
   }
 }
 
+TEST(TopViewTest, TheGroundIsDrawnByWhatIsSeenNowAndByTheMap) {
+  auto layer = std::make_shared<map::LocalLayer>(5.0, map::RobotFootprint{0.5, 0.4});
+  GroundScan scan;
+  scan.obstacles = {{{2.0F, 0.0F, 0.0F}, 0.03F}};
+  for (int frame = 0; frame < 3; ++frame) layer->add(1.0, Pose::Identity(), scan, std::nullopt);
+  map::PerceptionMap map;
+  map.update(1.0, {}, Pose::Identity());
+  map.update(std::shared_ptr<const map::LocalLayer>(layer));
+  const cv::Mat picture = drawGround(map, map::kCaution, {}, {});
+  cv::Mat blocked;
+  cv::inRange(picture, cv::Scalar(60, 60, 215), cv::Scalar(60, 60, 215), blocked);
+  const cv::Mat now = blocked.colRange(0, picture.cols / 2);
+  ASSERT_GT(cv::countNonZero(now), 0);
+  EXPECT_EQ(0, cv::countNonZero(blocked.colRange(picture.cols / 2, picture.cols))) << "no grid";
+  const cv::Moments middle = cv::moments(now, true);
+  EXPECT_NEAR(0.5 * now.cols, middle.m10 / middle.m00, 6.0) << "straight ahead";
+  EXPECT_LT(middle.m01 / middle.m00, 0.4 * now.rows) << "which is upwards";
+}
+
 }  // namespace
 }  // namespace headway::app
