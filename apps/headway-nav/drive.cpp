@@ -394,8 +394,8 @@ TrialMoment Drive::moment() const {
   moment.tracks = base_.knowledge().map.movingObjects().tracks();
   if (target_) moment.obstacles = inMap(obstacles_.sensed(), *base_.knowledge().pose);
   moment.contact = touched_;
-  moment.ground = drawGround(base_.knowledge().map, setup_.nav.caution, base_.knowledge().expected,
-                             setup_.robot);
+  moment.ground =
+      groundAbout(base_.knowledge().expected, base_.knowledge().map, setup_.nav.caution);
   const cv::Mat& image = base_.knowledge().image;
   if (!image.empty()) {
     const int height = kImageWidth * image.rows / image.cols;

@@ -100,7 +100,7 @@ struct TrialMoment {
   std::vector<Eigen::Vector2d> obstacles;  ///< of the planner, map frame [m]
   bool contact = false;                    ///< with a person, since the previous step
   cv::Mat image;                           ///< of the robot's camera, small; may be empty
-  cv::Mat ground;                          ///< see drawGround(); may be empty
+  cv::Mat1b ground;                        ///< see groundAbout(); may be empty
 };
 
 using TrialObserver = std::function<void(const TrialMoment&)>;

@@ -52,10 +52,6 @@ struct GroundColours {
     }
     return not_seen;
   }
-  [[nodiscard]] cv::Vec3b of(float free_probability) const {
-    if (free_probability > 0.6F) return free;
-    return free_probability < 0.4F ? blocked : not_seen;
-  }
 };
 
 /// Panel of one trial in a picture: its ground from above, x upwards, y to the left.
@@ -324,7 +320,8 @@ void drawPredictions(TrialPanel& panel, const TrialMoment& moment) {
   }
 }
 
-void drawRecordAt(TrialPanel& panel, const TrialRecord& record, double time_s) {
+void drawRecordAt(TrialPanel& panel, const TrialRecord& record, const RobotParams& robot,
+                  double time_s) {
   const std::size_t last = momentAt(record, time_s);
   const TrialMoment& moment = record.moments[last];
   panel.drawGround(*record.moments.front().scene);
@@ -347,7 +344,7 @@ void drawRecordAt(TrialPanel& panel, const TrialRecord& record, double time_s) {
   panel.line(centre, centre + 0.22 * nose, kPaper, 2);
   for (const auto& point : moment.obstacles) panel.dot(point, 1, kObstacle);
   panel.inset(moment.image);
-  panel.inset(moment.ground, true);
+  panel.inset(drawGround(moment.ground, robot), true);
   const bool contact = contactUntil(record, last);
   std::string state = secondsText("", moment.time_s);
   if (last + 1 == record.moments.size() && record.result.goal_reached) {
@@ -413,29 +410,43 @@ struct GroundLayout {
 };
 constexpr GroundLayout kGround;
 
+/// What a grid's cell says, as the newest frames would.
+map::LocalState stateOf(float free_probability) {
+  if (free_probability > 0.6F) return map::LocalState::kFree;
+  return free_probability < 0.4F ? map::LocalState::kBlocked : map::LocalState::kNotInView;
+}
+
 }  // namespace
 
-cv::Mat drawGround(const map::PerceptionMap& map, double caution, const mrpt::math::TPose2D& pose,
-                   const RobotParams& robot) {
+cv::Mat1b groundAbout(const mrpt::math::TPose2D& pose, const map::PerceptionMap& map,
+                      double caution) {
   map::MapQueryParams params;
   params.caution = caution;
   const map::MapQuery query(map, map.movingObjects().time(), params);
   const auto grid = map.staticGrid();
-  const GroundColours colours;
-  cv::Mat now(kGround.cells, kGround.cells, CV_8UC3), known(now.size(), CV_8UC3);
+  cv::Mat1b ground(kGround.cells, 2 * kGround.cells);
   const Eigen::Rotation2Dd turn(pose.phi);
   for (int row = 0; row < kGround.cells; ++row) {
     for (int column = 0; column < kGround.cells; ++column) {
       const Vector2d cell(0.5 * kGround.cells - row - 0.5, 0.5 * kGround.cells - column - 0.5);
       const Vector2d place = Vector2d(pose.x, pose.y) + turn * (kGround.cell_m * cell);
-      now.at<cv::Vec3b>(row, column) = colours.of(query.localAt(place));
-      known.at<cv::Vec3b>(row, column) = colours.of(
-          grid ? grid->getPos(static_cast<float>(place.x()), static_cast<float>(place.y())) : 0.5F);
+      const float free =
+          grid ? grid->getPos(static_cast<float>(place.x()), static_cast<float>(place.y())) : 0.5F;
+      ground(row, column) = static_cast<uchar>(query.localAt(place));
+      ground(row, column + kGround.cells) = static_cast<uchar>(stateOf(free));
     }
   }
+  return ground;
+}
+
+cv::Mat drawGround(const cv::Mat1b& ground, const RobotParams& robot) {
+  if (ground.empty()) return {};
+  const GroundColours colours;
+  cv::Mat3b cells(ground.size());
+  std::transform(ground.begin(), ground.end(), cells.begin(),
+                 [&](uchar state) { return colours.of(static_cast<map::LocalState>(state)); });
   cv::Mat picture;
-  cv::hconcat(now, known, picture);
-  cv::resize(picture, picture, {}, kGround.scale, kGround.scale, cv::INTER_NEAREST);
+  cv::resize(cells, picture, {}, kGround.scale, kGround.scale, cv::INTER_NEAREST);
   const int side = kGround.scale * kGround.cells;
   const double px = kGround.scale / kGround.cell_m;
   const cv::Size body(cvRound(px * robot.width_m), cvRound(px * robot.length_m));
@@ -457,7 +468,7 @@ cv::Mat drawMoment(const std::vector<TrialRecord>& records, const RobotParams& r
   cv::Mat picture = blankPicture(records.size());
   for (std::size_t i = 0; i < records.size(); ++i) {
     TrialPanel panel(panelOf(picture, i, records.size()), robot, boundsOf(records[i]));
-    drawRecordAt(panel, records[i], time_s);
+    drawRecordAt(panel, records[i], robot, time_s);
   }
   const bool has_ground = !records.front().moments.front().ground.empty();
   drawLegend(picture, has_ground, secondsText("time ", time_s));

@@ -20,9 +20,13 @@ struct TrialRecord {
   TrialResult result;
 };
 
-/// The ground about a robot that looks up, by what its newest frames show and by the map's grid.
-[[nodiscard]] cv::Mat drawGround(const map::PerceptionMap& map, double caution,
-                                 const mrpt::math::TPose2D& pose, const RobotParams& robot);
+/// map::LocalState of the cells about a robot that looks up: at the left by what its newest frames
+/// show, at the right by the map's grid.
+[[nodiscard]] cv::Mat1b groundAbout(const mrpt::math::TPose2D& pose, const map::PerceptionMap& map,
+                                    double caution);
+
+/// A picture of groundAbout(); empty if that is.
+[[nodiscard]] cv::Mat drawGround(const cv::Mat1b& ground, const RobotParams& robot);
 
 /// The moment at one time of each record, side by side; a record that has ended shows its last one.
 /// The robot drives upwards.

@@ -192,7 +192,7 @@ TEST(LocalLayerTest, SaysWhereWhoLeftTheViewMayBeLater) {
   EXPECT_EQ(LocalState::kEntered, within(2.9, 1.0));
   EXPECT_EQ(LocalState::kFree, within(0.5, 1.0)) << "not where they come from";
   frames.see(Scene(), 40);
-  EXPECT_EQ(LocalState::kNotInView, within(2.9, 1.0)) << "nobody came";
+  EXPECT_EQ(LocalState::kNotInView, within(2.9, 1.0)) << "for as long as caution asks";
 }
 
 TEST(LocalLayerTest, WhatStoodBesideTheRobotBlocksForLongerThanWhatPassed) {

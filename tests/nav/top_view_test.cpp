@@ -69,7 +69,7 @@ TEST(TopViewTest, TheGroundIsDrawnByWhatIsSeenNowAndByTheMap) {
   map::PerceptionMap map;
   map.update(1.0, {}, Pose::Identity());
   map.update(std::shared_ptr<const map::LocalLayer>(layer));
-  const cv::Mat picture = drawGround(map, map::kCaution, {}, {});
+  const cv::Mat picture = drawGround(groundAbout({}, map, map::kCaution), {});
   cv::Mat blocked;
   cv::inRange(picture, cv::Scalar(60, 60, 215), cv::Scalar(60, 60, 215), blocked);
   const cv::Mat now = blocked.colRange(0, picture.cols / 2);

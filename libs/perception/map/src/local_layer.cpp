@@ -153,6 +153,12 @@ double LocalLayer::oddsOf(const Cell& cell, bool in_view, Time now, double hold_
          std::exp(-age_s / (in_view ? kLocal.in_view_s : std::max(kLocal.in_view_s, hold)));
 }
 
+/// Whether it may be at a place after a time, if it walks on.
+bool LocalLayer::Intruder::isWithin(double seconds, const Vector2d& at, double caution) const {
+  const double reach_m = kLocal.radius_m + caution * spread_mps * seconds;
+  return (at - place - seconds * velocity).norm() < reach_m;
+}
+
 /// By what came since a time, when the place was seen to be free.
 bool LocalLayer::mayBeEntered(const Vector2d& place, float since_s, Time now,
                               double caution) const {
@@ -160,9 +166,8 @@ bool LocalLayer::mayBeEntered(const Vector2d& place, float since_s, Time now,
     const double age_s = now - one.time;
     const bool is_older = static_cast<float>(one.time - start_) < since_s;
     if (is_older || age_s > caution * kLocalHold_s) return false;
+    if (one.isWithin(age_s, place, caution)) return true;
     const Vector2d way = age_s * one.velocity, offset = place - one.place;
-    const double walks_on_m = kLocal.radius_m + caution * one.spread_mps * age_s;
-    if ((offset - way).norm() < walks_on_m) return true;
     const double ratio = offset.dot(way) / std::max(1e-9, way.squaredNorm());
     return (offset - std::clamp(ratio, 0.0, 1.0) * way).norm() < kLocal.radius_m;  // it stopped
   });
@@ -171,10 +176,9 @@ bool LocalLayer::mayBeEntered(const Vector2d& place, float since_s, Time now,
 /// What left the view, going on, unless it is seen not to be where it would be now.
 bool LocalLayer::mayCome(const Vector2d& place, Time now, double within_s, double caution) const {
   return std::any_of(intruders_.begin(), intruders_.end(), [&](const Intruder& one) {
-    const double age_s = now - one.time, then_s = age_s + within_s;
+    const double age_s = now - one.time;
     if (age_s > caution * kLocalHold_s) return false;
-    const double walks_on_m = kLocal.radius_m + caution * one.spread_mps * then_s;
-    if ((place - one.place - then_s * one.velocity).norm() >= walks_on_m) return false;
+    if (!one.isWithin(age_s + within_s, place, caution)) return false;
     const Cell* there = find(one.place + age_s * one.velocity);
     return there == nullptr || there->free_s < static_cast<float>(one.time - start_);
   });

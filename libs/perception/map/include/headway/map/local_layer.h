@@ -90,6 +90,8 @@ class LocalLayer {
     Time time = 0.0;
     Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< [m/s]
     double spread_mps = 0.0;                             ///< by which it may move otherwise
+
+    [[nodiscard]] bool isWithin(double seconds, const Eigen::Vector2d& at, double caution) const;
   };
   struct Evidence {
     float hits = 0.0F;

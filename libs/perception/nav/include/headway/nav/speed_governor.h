@@ -48,10 +48,10 @@ class SpeedGovernor {
   /// where somebody may be within a time [s].
   using GroundNow = std::function<map::LocalState(const Eigen::Vector2d&, double within_s)>;
 
-  /// A ratio is admissible only if the robot can brake on ground that is free now, and that nobody
-  /// who left the view may have entered by then. Within its radius, which it may never have seen, it
-  /// turns on the spot where nothing is blocked, and moves where nothing is blocked or may have been
-  /// entered.
+  /// A ratio is admissible only if the robot can brake on ground that is free now, and that what
+  /// left the view cannot have entered by then. Within its radius, which it may never have seen, it
+  /// turns on the spot where nothing is blocked, and moves where nothing is blocked or may have
+  /// been entered.
   ///
   /// @param age_s   age of the tracks and of what is known about the ground [s]
   /// @param ground  empty: all ground counts as free
