@@ -212,6 +212,26 @@ TEST(ScanGroundTest, WhatHangsInTheAirIsAsWideAsAPerson) {
       << "a post";
 }
 
+TEST(ScanGroundTest, WhatGroundIsSeenUnderIsAsWideAsASeat) {
+  const auto nearIn = [](const stereo::DisparityImage& image) {
+    return obstaclesBetween(scanOf(matched(image)), 2.5, 3.5);
+  };
+  // Some bricks of a wall, matched a few bricks off.
+  auto narrow = imageOf({{3.0, -0.08, 0.08, 0.5, 1.0}, {8.0, -8.0, 8.0, 0.0, 3.0}});
+  EXPECT_EQ(nearIn(narrow), 0);
+  EXPECT_GT(nearIn(imageOf({{3.0, -0.2, 0.2, 0.5, 1.0}, {8.0, -8.0, 8.0, 0.0, 3.0}})), 10);
+  const double nearest = testCamera().fx * testCamera().baseline_m / 3.0;
+  for (int column = 0; column < narrow.values.cols; ++column) {  // legs without texture
+    int foot = narrow.values.rows;
+    for (int row = 0; row < narrow.values.rows; ++row) {
+      float& d = narrow.values.at<float>(row, column);
+      if (std::abs(static_cast<double>(d) - nearest) < 1e-3) foot = row;
+      if (row > foot) d = 0.0F;
+    }
+  }
+  EXPECT_GT(nearIn(narrow), 2) << "it may stand";
+}
+
 TEST(ScanGroundTest, StripesThatHangBeforeTheirWallAreMatchedAPeriodOff) {
   const auto camera = testCamera();
   auto hanging = imageOf({{8.0, -1.0, 1.0, 0.6, 1.6}, {14.0, -8.0, 8.0, 0.0, 3.0}});

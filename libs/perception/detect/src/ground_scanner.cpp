@@ -33,6 +33,7 @@ constexpr double kDepth = 0.25;          // "one distance" [m]
 constexpr double kDisparity = 1.5;       // or this difference of disparities [px]
 constexpr double kDistinctSigmas = 2.0;  // between depths of one obstacle that are kept apart
 constexpr double kHangingWidth = 0.2;    // of what is seen without its foot: a person is wider [m]
+constexpr double kFloatingWidth = 0.4;   // of what ground is seen under: seats and tables [m]
 constexpr double kBeyondReach = 1.3;     // of the reach: an obstacle up to here ends a column
 constexpr double kContrastSigmas = 3.0;  // between ground and an obstacle that would hide it
 // Ground without texture is free where it is shorter than this. A drop as long could not be told
@@ -99,12 +100,13 @@ class ColumnScanner {
         const auto disparity = agreed(i, obstacle, step);
         if (!disparity) continue;
         // A wall of stripes that is matched a period off seems to hang in front of itself.
-        if (disparity_.block_px > 0 && obstacle.hangs && repeats(columns_[i].column, obstacle)) {
+        if (disparity_.block_px > 0 && hangs(obstacle) && repeats(columns_[i].column, obstacle)) {
           continue;
         }
         const double depth = fb_ / *disparity;
         scan.obstacles.push_back(
-            {placeAt(columns_[i].column, depth), static_cast<float>(sigmaAt(depth))});
+            {placeAt(columns_[i].column, depth), static_cast<float>(sigmaAt(depth)),
+             static_cast<float>(obstacle.low), static_cast<float>(obstacle.high)});
       }
     }
   }
@@ -120,11 +122,13 @@ class ColumnScanner {
   struct Surface {
     double depth;
     double height;
+    int row;
   };
   /// What stands at one distance of a column.
   struct Obstacle {
     double disparity;       ///< [px]
-    bool hangs;             ///< its lowest matched point is as high as an obstacle
+    double low, high;       ///< heights between which it is matched [m]
+    bool floats;            ///< farther ground is seen under it
     bool is_certain;        ///< false: may be too low; ends free ground, but is not entered
     std::vector<int> rows;  ///< that show it
   };
@@ -155,9 +159,9 @@ class ColumnScanner {
       if (height > clearance) {
         raised_.push_back({d, height, row});
       } else if (height >= -clearance) {
-        seen_ground_.push_back({depth, height});
+        seen_ground_.push_back({depth, height, row});
       } else if (height <= -params_.min_obstacle_height_m) {
-        below_.push_back({depth, height});
+        below_.push_back({depth, height, row});
       }
     }
     std::sort(raised_.begin(), raised_.end(),
@@ -197,15 +201,15 @@ class ColumnScanner {
   /// it.
   ///
   /// A matched block gives its own width to whatever it sees, so that narrower strips are wrong
-  /// matches, of stripes for instance, which seem to hang in the air before their wall: what is
-  /// seen without a foot must be as wide as a person.
+  /// matches, of stripes or bricks for instance, which seem to hang in the air before their wall:
+  /// what is seen without a foot must be as wide as a person, or, if farther ground is seen under
+  /// it, as a seat.
   [[nodiscard]] std::optional<double> agreed(std::size_t index, const Obstacle& obstacle,
                                              int step) const {
     if (disparity_.block_px == 0) return obstacle.disparity;
+    const double width = !hangs(obstacle) ? 0.0 : obstacle.floats ? kFloatingWidth : kHangingWidth;
     const double width_px =
-        obstacle.hangs ? std::max<double>(disparity_.block_px,
-                                          kHangingWidth * camera_.fx * obstacle.disparity / fb_)
-                       : disparity_.block_px;
+        std::max<double>(disparity_.block_px, width * camera_.fx * obstacle.disparity / fb_);
     const auto half = static_cast<std::size_t>(0.5 * width_px / (disparity_.reduce * step));
     std::vector<double> around;
     for (std::size_t i = index - std::min(index, half);
@@ -238,9 +242,7 @@ class ColumnScanner {
     if (static_cast<double>(last - first) < std::max(1.0 * kMinRows, kMatchedRatio * rows)) {
       return false;
     }
-    double top = 0.0;
-    for (std::size_t i = first; i < last; ++i) top = std::max(top, raised_[i].height);
-    top -= edge;
+    const double top = highest(first, last) - edge;
     const double bottom = lowest(first, last);
     const double rise = std::max(kMinRiseRatio * params_.min_obstacle_height_m, kMaxSlope * extent);
     return top >= params_.min_obstacle_height_m && top - bottom >= rise;
@@ -275,11 +277,18 @@ class ColumnScanner {
     return height;
   }
 
+  [[nodiscard]] double highest(std::size_t first, std::size_t last) const {
+    double height = 0.0;
+    for (std::size_t i = first; i < last; ++i) height = std::max(height, raised_[i].height);
+    return height;
+  }
+
   /// Appends the medians of the points at one distance, apart where they differ significantly.
   void addSurfaces(std::size_t first, std::size_t last, bool is_certain,
                    std::vector<Obstacle>& found) const {
     const double apart = kDistinctSigmas * params_.sigma_disparity_px;
-    const bool hangs = lowest(first, last) > params_.min_obstacle_height_m;
+    const double low = lowest(first, last), high = highest(first, last);
+    const bool floats = isGroundSeenUnder(first, last);
     const std::size_t before = found.size();
     const auto endOf = [&](std::size_t from, double least) {
       while (from < last && raised_[from].disparity >= least) ++from;
@@ -289,13 +298,30 @@ class ColumnScanner {
       const std::size_t window = endOf(i, raised_[i].disparity - 2.0 * apart);
       const double median = raised_[i + (window - i) / 2].disparity;
       const std::size_t end = std::max(endOf(i, median - apart), i + 1);
-      if (end - i >= kMinRows) found.push_back({median, hangs, is_certain, rowsOf(i, end)});
+      if (end - i >= kMinRows) {
+        found.push_back({median, low, high, floats, is_certain, rowsOf(i, end)});
+      }
       i = end;
     }
     if (found.size() == before) {
-      found.push_back(
-          {raised_[(first + last) / 2].disparity, hangs, is_certain, rowsOf(first, last)});
+      found.push_back({raised_[(first + last) / 2].disparity, low, high, floats, is_certain,
+                       rowsOf(first, last)});
     }
+  }
+
+  /// Whether its lowest matched point is as high as an obstacle.
+  [[nodiscard]] bool hangs(const Obstacle& obstacle) const {
+    return obstacle.low > params_.min_obstacle_height_m;
+  }
+
+  [[nodiscard]] bool isGroundSeenUnder(std::size_t first, std::size_t last) const {
+    int foot = 0;
+    for (std::size_t i = first; i < last; ++i) foot = std::max(foot, raised_[i].row);
+    const double behind = fb_ / raised_[last - 1].disparity + kDepth;
+    const auto rows = std::count_if(
+        seen_ground_.begin(), seen_ground_.end(),
+        [&](const Surface& ground) { return ground.row > foot && ground.depth > behind; });
+    return rows >= kMinRows;
   }
 
   [[nodiscard]] std::vector<int> rowsOf(std::size_t first, std::size_t last) const {
@@ -330,7 +356,7 @@ class ColumnScanner {
       const auto after = std::upper_bound(
           seen_ground_.begin(), seen_ground_.end(), missing,
           [](double depth, const Surface& ground) { return depth < ground.depth; });
-      const Surface edge = after == seen_ground_.begin() ? Surface{0.0, 0.0} : *(after - 1);
+      const Surface edge = after == seen_ground_.begin() ? Surface{0.0, 0.0, 0} : *(after - 1);
       const double slope = (edge.height - point.height) / (point.depth - edge.depth);
       if (slope > kMaxSlope) rims.push_back({edge.depth, missing});
     }

@@ -26,6 +26,8 @@ struct GroundScan {
   struct Obstacle {
     Eigen::Vector3f foot;
     float sigma_m;  ///< of its distance
+    float low_m = 0.0F,
+          high_m = 0.0F;  ///< heights between which it is seen; 0: unknown. Not stored
   };
 
   std::vector<Free> free;
