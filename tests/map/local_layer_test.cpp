@@ -32,6 +32,7 @@ StereoCamera camera() {
 struct Scene {
   std::vector<Vector2d> things;  ///< 0.2 m wide [m]
   double ground_to_m = 5.0;
+  float low_m = 0.0F, high_m = 0.0F;  ///< heights at which things are seen; 0: unknown
 };
 
 /// What a camera at the robot's origin sees of a scene, in columns of half a degree.
@@ -51,7 +52,8 @@ GroundScan scanOf(const Scene& scene) {
       return Eigen::Vector3f(static_cast<float>(place.x()), static_cast<float>(place.y()), 0.0F);
     };
     if (to > from.norm()) scan.free.push_back({at(from.norm()), at(to - 0.05)});
-    if (to < scene.ground_to_m) scan.obstacles.push_back({at(to), 0.03F});
+    if (to < scene.ground_to_m)
+      scan.obstacles.push_back({at(to), 0.03F, scene.low_m, scene.high_m});
   }
   return scan;
 }
@@ -170,6 +172,22 @@ TEST(LocalLayerTest, WhoWalksPastIsSoonBehind) {
   EXPECT_EQ(LocalState::kEntered, frames.at(-0.4, 0.6)) << "and are beside or behind";
   frames.see(Scene(), 10);
   EXPECT_EQ(LocalState::kEntered, frames.at(-1.7, 0.7));
+}
+
+TEST(LocalLayerTest, GroundSeenOverThePlaceOfWhoStoodInTheWayFreesIt) {
+  const auto afterwards = [](float low_m,
+                             float high_m) {  // 0.6 m ahead, nearer than ground in view
+    Frames frames;
+    frames.see(Scene());
+    frames.see({{{0.6, -0.1}, {0.6, 0.0}, {0.6, 0.1}}, 5.0, low_m, high_m}, 4);
+    EXPECT_EQ(LocalState::kBlocked, frames.at(0.6, 0.0));
+    frames.see(Scene(), 4);
+    return frames.at(0.6, 0.0);
+  };
+  EXPECT_EQ(LocalState::kFree, afterwards(0.2F, 1.7F)) << "they would hide that ground";
+  EXPECT_EQ(LocalState::kBlocked, afterwards(0.0F, 0.2F)) << "a box, over which it is seen";
+  EXPECT_EQ(LocalState::kBlocked, afterwards(0.6F, 0.8F)) << "a bar, under which it is seen";
+  EXPECT_EQ(LocalState::kBlocked, afterwards(0.0F, 0.0F)) << "of unknown height";
 }
 
 TEST(LocalLayerTest, WhatComesBackFromTheEdgeHasNotLeft) {

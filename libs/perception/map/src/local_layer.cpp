@@ -26,6 +26,8 @@ struct LocalEvidence {
   double gap_ratio = 1.5;       ///< of the camera's height: a gap that ground scans bridge, too
   int free_round_gap = 5;       ///< of the eight cells round one that no column met
   double in_view_s = 0.5;       ///< of decay: two frames at 5 Hz may be missed
+  /// Of the ray to ground that is seen: free ground begins where the lowest obstacle would hide it.
+  double height_error_m = 0.15;
   // Of people who walk fast.
   double speed_mps = 1.5;
   double radius_m = 0.3;
@@ -64,8 +66,10 @@ class LocalLayer::Frame {
   }
 
   /// Spread along the line of sight by the uncertainty of its distance.
-  void addHit(const Vector2d& place, const Vector2d& from, double sigma_m, double weight) {
+  void addHit(const Vector2d& place, const Vector2d& from, const GroundScan::Obstacle& obstacle,
+              double weight) {
     const Vector2d way = (place - from).normalized();
+    const double sigma_m = static_cast<double>(obstacle.sigma_m);
     const double step = layer_.cell_m_;
     const int steps = static_cast<int>(std::ceil(2.0 * sigma_m / step));
     double sum = 0.0;
@@ -74,7 +78,9 @@ class LocalLayer::Frame {
       std::size_t last = cells_.size();
       Evidence* cell = at(place + i * step * way, last);
       const double share = density(i * step, sigma_m) / sum;
-      if (cell != nullptr) cell->hits += static_cast<float>(weight * share);
+      if (cell == nullptr) continue;
+      cell->hits += static_cast<float>(weight * share);
+      cell->heights.include({obstacle.low_m, obstacle.high_m});
     }
   }
 
@@ -99,6 +105,11 @@ class LocalLayer::Frame {
   const LocalLayer& layer_;
   std::vector<Evidence> cells_;
 };
+
+void LocalLayer::Heights::include(const Heights& other) {
+  low = high > 0.0F ? std::min(low, other.low) : other.low;
+  high = std::max(high, other.high);
+}
 
 LocalLayer::LocalLayer(double reach_m, const RobotFootprint& footprint, double nearest_m)
     : reach_m_(std::max(reach_m, kSize.least_reach_m)),
@@ -230,6 +241,17 @@ std::vector<Vector2d> LocalLayer::blocked(Time now, double caution) const {
   return places;
 }
 
+/// Whether what had come to a cell would hide ground that is seen behind it, if it were still
+/// there: the ray to the ground passes at a height at which it was seen.
+bool LocalLayer::wouldHide(const Cell& cell, const Vector2d& ground) const {
+  if (cell.hit_s - cell.free_s >= kLocal.was_free_s) return false;
+  const Vector2d eye = (T_odom_robot_ * camera_->T_robot_cam).translation().head<2>();
+  const double ratio = (centreOf(cell) - eye).norm() / (ground - eye).norm();
+  const double height = (1.0 - ratio) * camera_->T_robot_cam.translation().z();
+  const double at_most = height + kLocal.height_error_m;
+  return cell.heights.low < at_most && cell.heights.high > at_most;
+}
+
 /// A gap between the robot and the ground that is seen first, as far as nothing stands in it: who
 /// has come since would hide that ground.
 void LocalLayer::addStrip(const Vector2d& from, const Vector2d& to, Frame& frame) const {
@@ -241,7 +263,7 @@ void LocalLayer::addStrip(const Vector2d& from, const Vector2d& to, Frame& frame
     if (back > kLocal.radius_m && isInView(place)) return;  // the gap is in the image
     const Cell* cell = find(place);
     const bool is_blocked = cell != nullptr && oddsOf(*cell, false, time_, kLocalHold_s) > 0.0;
-    if (is_blocked) break;
+    if (is_blocked && !wouldHide(*cell, to)) break;
     clear = place;
   }
   frame.addPass(clear, to);
@@ -276,10 +298,10 @@ void LocalLayer::add(Time time, const Pose& T_odom_robot, const GroundScan& scan
     addStrip(nearestOfRobot(piece.from), placeOf(piece.from), frame);
   }
   for (const auto& obstacle : scan.obstacles) {
-    frame.addHit(placeOf(obstacle.foot), eye, obstacle.sigma_m, 1.0);
+    frame.addHit(placeOf(obstacle.foot), eye, obstacle, 1.0);
   }
   for (const auto& obstacle : scan.laser_obstacles) {
-    frame.addHit(placeOf(obstacle.foot), robot, obstacle.sigma_m, kLocal.beam_hits);
+    frame.addHit(placeOf(obstacle.foot), robot, obstacle, kLocal.beam_hits);
   }
   enter(frame, before, std::min(step, 2));
   standAt(T_odom_robot);
@@ -318,7 +340,11 @@ void LocalLayer::enter(const Frame& frame, Time before, double weight) {
       cell.odds = static_cast<float>(odds);
       cell.seen_s = now_s;
       if (odds <= -kLocal.known) cell.free_s = now_s;
-      if (evidence.hits > 0.0F) cell.hit_s = now_s;
+      if (evidence.hits > 0.0F) {
+        if (last_odds <= 0.0) cell.heights = {};
+        cell.heights.include(evidence.heights);
+        cell.hit_s = now_s;
+      }
       if (is_struck) cell.struck_before_s = std::exchange(cell.struck_s, now_s);
       const bool has_come =
           odds >= kLocal.known && now_s - cell.free_s < kLocal.was_free_s && !isAtStanding(place);

@@ -39,7 +39,8 @@ enum class LocalState {
 ///
 /// Stereo and depth cameras make ground free, lasers never do (see GroundScan). The strip between
 /// the robot and the nearest visible ground, up to 1.5 times the camera's height, counts as seen
-/// with that ground, which people in it would hide, unless something stands in it.
+/// with that ground, which people in it would hide, unless something stands in it that the ray to
+/// that ground passes over or under.
 ///
 /// @see  Thrun, Burgard & Fox 2005, "Probabilistic Robotics", ch. 9 (occupancy by log odds)
 class LocalLayer {
@@ -76,12 +77,19 @@ class LocalLayer {
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
  private:
+  /// Between which something is hit; 0: unknown [m].
+  struct Heights {
+    float low = 0.0F, high = 0.0F;
+
+    void include(const Heights& other);
+  };
   struct Cell {
     int x = 0, y = 0;  ///< which of the cells with this index modulo the layer's size
     float odds = 0.0F;
     float seen_s = 0.0F;                                  ///< time of the odds, since the start
     float free_s = -1.0e9F;                               ///< time at which it was last free
     float hit_s = -1.0e9F;                                ///< and last hit
+    Heights heights = {};                                 ///< at which something was hit
     float struck_s = -1.0e9F, struck_before_s = -1.0e9F;  ///< last times of many hits
   };
   /// What came where ground had been free.
@@ -96,6 +104,7 @@ class LocalLayer {
   struct Evidence {
     float hits = 0.0F;
     float passes = 0.0F;
+    Heights heights = {};  ///< of what is hit
   };
   class Frame;
 
@@ -115,6 +124,7 @@ class LocalLayer {
   [[nodiscard]] bool mayCome(const Eigen::Vector2d& place, Time now, double within_s,
                              double caution) const;
   [[nodiscard]] Eigen::Vector2d nearestOfRobot(const Eigen::Vector3f& point) const;
+  [[nodiscard]] bool wouldHide(const Cell& cell, const Eigen::Vector2d& ground) const;
   void addStrip(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Frame& frame) const;
   void enter(const Frame& frame, Time time, double weight);
   void measureVelocity(const std::vector<Intruder>& come, Intruder& one) const;
