@@ -24,6 +24,7 @@ constexpr double kTurn_radps = 0.8;  // slow enough to be followed by a camera a
 constexpr double kPatience_s = 3.0, kSettled_s = 0.4;
 constexpr double kMoved_m = 0.1, kMoved_rad = 0.2;
 constexpr double kWayOut_s = 1.0, kWayOut_mps = 0.25;
+constexpr double kTurnedBefore = 0.1;  // ratio of its worth where it has not helped
 
 /// Space beside the robot [m].
 struct Space {
@@ -59,7 +60,10 @@ std::optional<DriveCommand> Manoeuvre::command(const CSimplePointsMap& obstacles
   }
   if (time_s_ - stood_since_s_ > kPatience_s) {
     stood_since_s_ = time_s_;
-    if (const auto way_out = wayOut(obstacles, is_admitted)) {
+    const Vector2d here(stood_.x, stood_.y);
+    const bool leaves = left_from_ && (*left_from_ - here).norm() < kMoved_m;
+    left_from_ = here;
+    if (const auto way_out = wayOut(obstacles, leaves, is_admitted)) {
       way_out_ = *way_out;
       steps_out_until_s_ = time_s_ + kWayOut_s;
       return way_out;
@@ -102,7 +106,7 @@ std::optional<double> Manoeuvre::roomAfter(const CSimplePointsMap& obstacles,
   return room;
 }
 
-std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles,
+std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles, bool leaves,
                                               const IsAdmitted& is_admitted) const {
   std::optional<DriveCommand> best;
   double best_score = 0.0;
@@ -113,8 +117,9 @@ std::optional<DriveCommand> Manoeuvre::wayOut(const CSimplePointsMap& obstacles,
       if (!room) continue;
       const double gain = *room - (speed < 0.0 ? kSpace_m.behind : 0.0);
       // Of equal room, what turns it to its target.
-      const double score =
+      double score =
           gain / kSpace_m.enough + 0.25 * (1.0 + std::cos(bearing_ - turn_rate * kWayOut_s));
+      if (leaves && speed == 0.0) score *= kTurnedBefore;
       if (!(score > best_score) || !is_admitted({speed, turn_rate})) continue;
       best = DriveCommand{speed, turn_rate};
       best_score = score;

@@ -15,7 +15,8 @@ namespace headway::app {
 /// Slow motions of a robot that drives forwards, where its navigator's arcs lead nowhere.
 ///
 /// It turns on the spot towards a target that is beside or behind it, not at once back. When it has
-/// stood for 3 s it moves for a second to where it has more room: arcs begin in free space only.
+/// stood for 3 s it moves for a second to where it has more room: arcs begin in free space only;
+/// if it stands there again, it leaves the place rather than turn once more.
 /// The former keeps 15 cm from obstacles, so that whoever comes near passes, the latter 3 cm, or
 /// what there is.
 class Manoeuvre {
@@ -42,8 +43,10 @@ class Manoeuvre {
   [[nodiscard]] std::optional<double> roomAfter(const mrpt::maps::CSimplePointsMap& obstacles,
                                                 const sim::DriveCommand& motion, double duration_s,
                                                 double needed) const;
+  /// @param leaves  rather than to turn on the spot
   [[nodiscard]] std::optional<sim::DriveCommand> wayOut(
-      const mrpt::maps::CSimplePointsMap& obstacles, const IsAdmitted& is_admitted) const;
+      const mrpt::maps::CSimplePointsMap& obstacles, bool leaves,
+      const IsAdmitted& is_admitted) const;
 
   Eigen::Vector2d size_;
   double time_s_ = 0.0;
@@ -53,7 +56,8 @@ class Manoeuvre {
   double changed_side_at_s_ = -1.0e9;
   mrpt::math::TPose2D stood_;  ///< where it stands or stood last
   double stood_since_s_ = 0.0;
-  sim::DriveCommand way_out_;  ///< until then
+  sim::DriveCommand way_out_;                 ///< until then
+  std::optional<Eigen::Vector2d> left_from_;  ///< where the last one began
   double steps_out_until_s_ = -1.0;
 };
 
