@@ -52,8 +52,8 @@ GroundScan scanOf(const Scene& scene) {
       return Eigen::Vector3f(static_cast<float>(place.x()), static_cast<float>(place.y()), 0.0F);
     };
     if (to > from.norm()) scan.free.push_back({at(from.norm()), at(to - 0.05)});
-    if (to < scene.ground_to_m)
-      scan.obstacles.push_back({at(to), 0.03F, scene.low_m, scene.high_m});
+    if (to == scene.ground_to_m) continue;
+    scan.obstacles.push_back({at(to), 0.03F, scene.low_m, scene.high_m});
   }
   return scan;
 }
@@ -175,9 +175,8 @@ TEST(LocalLayerTest, WhoWalksPastIsSoonBehind) {
 }
 
 TEST(LocalLayerTest, GroundSeenOverThePlaceOfWhoStoodInTheWayFreesIt) {
-  const auto afterwards = [](float low_m,
-                             float high_m) {  // 0.6 m ahead, nearer than ground in view
-    Frames frames;
+  const auto afterwards = [](float low_m, float high_m) {
+    Frames frames;  // ground in view begins at 0.75 m
     frames.see(Scene());
     frames.see({{{0.6, -0.1}, {0.6, 0.0}, {0.6, 0.1}}, 5.0, low_m, high_m}, 4);
     EXPECT_EQ(LocalState::kBlocked, frames.at(0.6, 0.0));

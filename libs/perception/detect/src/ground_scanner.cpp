@@ -100,7 +100,8 @@ class ColumnScanner {
         const auto disparity = agreed(i, obstacle, step);
         if (!disparity) continue;
         // A wall of stripes that is matched a period off seems to hang in front of itself.
-        if (disparity_.block_px > 0 && hangs(obstacle) && repeats(columns_[i].column, obstacle)) {
+        if (disparity_.block_px > 0 && hangs(obstacle.low) &&
+            repeats(columns_[i].column, obstacle)) {
           continue;
         }
         const double depth = fb_ / *disparity;
@@ -128,7 +129,7 @@ class ColumnScanner {
   struct Obstacle {
     double disparity;       ///< [px]
     double low, high;       ///< heights between which it is matched [m]
-    bool floats;            ///< farther ground is seen under it
+    bool floats;            ///< it hangs, and farther ground is seen under it
     bool is_certain;        ///< false: may be too low; ends free ground, but is not entered
     std::vector<int> rows;  ///< that show it
   };
@@ -207,7 +208,9 @@ class ColumnScanner {
   [[nodiscard]] std::optional<double> agreed(std::size_t index, const Obstacle& obstacle,
                                              int step) const {
     if (disparity_.block_px == 0) return obstacle.disparity;
-    const double width = !hangs(obstacle) ? 0.0 : obstacle.floats ? kFloatingWidth : kHangingWidth;
+    const double width = obstacle.floats       ? kFloatingWidth
+                         : hangs(obstacle.low) ? kHangingWidth
+                                               : 0.0;
     const double width_px =
         std::max<double>(disparity_.block_px, width * camera_.fx * obstacle.disparity / fb_);
     const auto half = static_cast<std::size_t>(0.5 * width_px / (disparity_.reduce * step));
@@ -288,7 +291,7 @@ class ColumnScanner {
                    std::vector<Obstacle>& found) const {
     const double apart = kDistinctSigmas * params_.sigma_disparity_px;
     const double low = lowest(first, last), high = highest(first, last);
-    const bool floats = isGroundSeenUnder(first, last);
+    const bool floats = hangs(low) && isGroundSeenUnder(first, last);
     const std::size_t before = found.size();
     const auto endOf = [&](std::size_t from, double least) {
       while (from < last && raised_[from].disparity >= least) ++from;
@@ -309,11 +312,10 @@ class ColumnScanner {
     }
   }
 
-  /// Whether its lowest matched point is as high as an obstacle.
-  [[nodiscard]] bool hangs(const Obstacle& obstacle) const {
-    return obstacle.low > params_.min_obstacle_height_m;
-  }
+  /// Whether the lowest matched point is as high as an obstacle.
+  [[nodiscard]] bool hangs(double low) const { return low > params_.min_obstacle_height_m; }
 
+  /// Whether ground behind points at one distance is matched below them in the image.
   [[nodiscard]] bool isGroundSeenUnder(std::size_t first, std::size_t last) const {
     int foot = 0;
     for (std::size_t i = first; i < last; ++i) foot = std::max(foot, raised_[i].row);
