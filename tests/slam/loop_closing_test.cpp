@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <headway_test/repeats.h>
 #include <headway_test/textured_world.h>
 
 #include <algorithm>
@@ -78,8 +79,10 @@ Lap driveRound(bool loop_closing, bool in_background = false) {
             << "a loop comes with its correction";
       }
     }
-    // A camera's interval, in which the threads beside the tracking go on.
-    if (in_background) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    // A camera's interval, in which the threads beside the tracking go on; under sanitizers they
+    // need ten times as long.
+    constexpr std::chrono::milliseconds kInterval(test::kSanitized ? 300 : 30);
+    if (in_background) std::this_thread::sleep_for(kInterval);
   }
   slam.finish();
   double sum = 0.0;
