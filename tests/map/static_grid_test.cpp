@@ -229,6 +229,18 @@ GroundScan obstacleAt(float x, float y) {
   return scan;
 }
 
+TEST(StaticGridTest, AnObstacleIsWhatTwoPlacesHaveSeenAndWhatOneHasIsUnknown) {
+  StaticGrid grid({});
+  const auto cell = [&] { return grid.grid()->getPos(5.1F, 0.1F); };
+  for (int i = 0; i < 3; ++i) {
+    grid.add(poseAt(0.0, 0.0), obstacleAt(5.1F, 0.1F));
+    EXPECT_LT(cell(), 0.5F) << "not free";
+    EXPECT_GT(cell(), 0.35F) << "a wrong match comes again while the robot stands";
+  }
+  grid.add(poseAt(1.0, 0.0), obstacleAt(4.1F, 0.1F));
+  EXPECT_LT(cell(), 0.35F);
+}
+
 TEST(StaticGridTest, PlacesFarApartTakeNoMoreCellsThanNearOnes) {
   for (const auto& far : {poseAt(9.9e6, 30.0), poseAt(-30.0, -9.9e6), poseAt(9.9e6, 9.9e6)}) {
     StaticGrid grid({});
@@ -491,11 +503,11 @@ TEST(StaticGridTest, AddsTheScansOfAnotherGridWithItsKeyframes) {
   StaticGrid grid = drivePast({poses[0], poses[1]});
   StaticGrid other({});
   other.follow({keyframeAt(3, poses[6])});
-  other.add(poses[6], wallSeenFrom(poses[6]));
+  for (const auto i : {5U, 6U}) other.add(poses[i], wallSeenFrom(poses[i]));
   grid.add(other, 10);
   EXPECT_LT(grid.grid()->getPos(10.1f, 3.0f), drivePast({poses[0]}).grid()->getPos(10.1f, 3.0f));
   grid.follow({keyframeAt(13, poseAt(0.0, 20.0) * poses[6])});
-  EXPECT_LT(grid.grid()->getPos(10.1f, 23.0f), 0.35f) << "its scan follows its keyframe";
+  EXPECT_LT(grid.grid()->getPos(10.1f, 23.0f), 0.35f) << "its scans follow their keyframe";
 }
 
 TEST(StaticGridTest, CroppedItKnowsNothingOutside) {

@@ -26,6 +26,9 @@ constexpr double kHit = 0.85, kMinHit = 0.25;  // log-odds of a near obstacle, a
                                                // whose cell is uncertain
 constexpr std::int8_t kFreeHit =
     6;  // evidence of free ground: three scans outweigh a near obstacle
+// Wrong matches of a scan are as many as its obstacles are few: what one alone has seen is unknown,
+// an obstacle is what two have.
+constexpr double kShownRatio = 0.625;
 
 std::int8_t evidenceOf(double log_odds) {
   return static_cast<std::int8_t>(std::lround(kEvidenceUnit * log_odds));
@@ -189,6 +192,11 @@ COccupancyGridMap2D::cellType shownFor(std::int32_t evidence) {
                                         kMaxCellEvidence)];
 }
 
+/// The evidence of stereo that is shown.
+std::int32_t doubted(std::int32_t evidence) {
+  return evidence > 0 ? static_cast<std::int32_t>(kShownRatio * evidence) : evidence;
+}
+
 /// Columns and rows from `min` to before `end`; empty if there are none.
 struct Rectangle {
   Eigen::Vector2i min = Eigen::Vector2i::Constant(std::numeric_limits<int>::max());
@@ -330,7 +338,7 @@ bool EvidenceGrid::enter(const GroundScan& scan, const Pose& T_map_robot, int si
       const std::size_t cell = first + column;
       evidence_[cell] += sign * from[column];
       laser_[cell] += sign * by_laser;
-      shown_[cell] = shownFor(evidence_[cell] + std::max(laser_[cell], 0));
+      shown_[cell] = shownFor(doubted(evidence_[cell]) + std::max(laser_[cell], 0));
     }
   }
   return true;
