@@ -105,7 +105,7 @@ plot::TextTable tableOf(const DenseEvaluation& evaluation) {
 
 int runGrid(int argc, const char** argv) {
   std::string truth, estimate;
-  eval::ObstacleHeights heights{0.0, 0.0};  // 0: as in the replay
+  eval::ObstacleHeights heights{0.0, 0.0, 0.0};  // 0: as in the replay
   Outputs outputs;
   program::CommandLine line(
       "headway-eval grid",

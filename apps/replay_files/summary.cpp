@@ -53,6 +53,7 @@ Json rigJson(const std::optional<stereo::RigCapability>& rig) {
           {"camera_height_known", rig->camera_height_known},
           {"nearest_m", rig->nearest_m},
           {"min_obstacle_height_m", rig->min_obstacle_height_m},
+          {"low_obstacle_height_m", rig->low_obstacle_height_m},
           {"obstacles_from_m", rig->obstacles_from_m},
           {"obstacles_to_m", rig->obstacles_to_m},
           {"people_to_m", rig->people_to_m},

@@ -354,6 +354,18 @@ TEST(ScanGroundTest, LowObstaclesAreFoundWhereAskedForOrRefused) {
   }
 }
 
+TEST(ScanGroundTest, AKerbIsAnObstacleWhereItStandsOutFromTheGround) {
+  const auto kerbAt = [](double depth) {
+    return imageOf({{depth, -0.5, 0.5, 0.0, 0.1}}, 0.0, {}, kRobotHeight);
+  };
+  const auto near = scanFrom(kRobotHeight, kerbAt(2.0), 0.4, 0.0);
+  EXPECT_GT(obstaclesBetween(near, 1.9, 2.1), 30);
+  EXPECT_FALSE(isFree(near, 2.2, 0.0));
+  EXPECT_TRUE(scanFrom(kRobotHeight, kerbAt(4.3), 0.4, 0.0).obstacles.empty()) << "too far";
+  EXPECT_TRUE(scanFrom(kRobotHeight, kerbAt(2.0), 0.4, 0.12).obstacles.empty())
+      << "who states a height means it";
+}
+
 TEST(ScanGroundTest, ACameraThatLooksStraightDownScansNothing) {
   stereo::GroundPlane ground;
   ground.up = -Eigen::Vector3d::UnitZ();

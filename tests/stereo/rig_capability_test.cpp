@@ -89,6 +89,24 @@ TEST(RigCapabilityTest, HigherObstaclesAreSeenFartherAndLessNoiseReachesFarther)
   EXPECT_GT(rigCapability(kSmall, precise).people_to_m, rigCapability(kSmall).people_to_m);
 }
 
+TEST(RigCapabilityTest, LowObstaclesAreSeenWhereTheyStandOutAndHighOnesToTheReach) {
+  const auto rig = rigCapability(kRobot);
+  EXPECT_EQ(rig.low_obstacle_height_m, 0.08);
+  EXPECT_NEAR(rig.low_obstacles_to_m, rig.obstacles_to_m * 0.08 / 0.12, 0.25);
+  EXPECT_EQ(rig.obstacleHeight(1.0), 0.08);
+  EXPECT_NEAR(rig.obstacleHeight(1.25 * rig.low_obstacles_to_m), 0.1, 1e-9);
+  EXPECT_EQ(rig.obstacleHeight(2.0 * rig.obstacles_to_m), 0.12);
+
+  RigAssumptions far;
+  far.obstacles_to_m = 20.0;
+  EXPECT_EQ(rigCapability(kRobot, far).obstacleHeight(6.5), rig.obstacleHeight(6.5))
+      << "a longer reach shows nothing lower";
+  RigAssumptions stated;
+  stated.min_obstacle_height_m = 0.12;
+  EXPECT_EQ(rigCapability(kRobot, stated).obstacleHeight(1.0), 0.12) << "its wheels pass that";
+  EXPECT_EQ(rigCapability(kCar).obstacleHeight(5.0), 0.3);
+}
+
 TEST(RigCapabilityTest, TheDepthErrorGrowsWithTheSquareOfTheDepth) {
   const auto rig = rigCapability(kRobot);
   EXPECT_NEAR(rig.depthSigma(6.0), 0.4 * 36.0 / 84.0, 1e-12);
@@ -102,7 +120,8 @@ TEST(RigCapabilityTest, ACameraThatLooksUpIsLimitedByTheDisparitiesAlone) {
 TEST(RigCapabilityTest, IsDescribedInOneLine) {
   EXPECT_EQ(describe(rigCapability(kSmall)),
             "rig: baseline 0.05 m, camera 0.30 m above the ground, matched from 0.3 m; obstacles "
-            "of 0.12 m at 0.3 to 3.0 m, people's motion to 5.0 m, vehicles' to 12 m");
+            "of 0.12 m at 0.3 to 3.0 m, of 0.08 m to 2.0 m, people's motion to 5.0 m, vehicles' to "
+            "12 m");
   EXPECT_THAT(describe(rigCapability(cameraOf(640, 480, 450.0, 0.05, {0.0, 0.0}))),
               testing::HasSubstr("1.65 m above the ground (assumed: no promise of free ground)"));
 }

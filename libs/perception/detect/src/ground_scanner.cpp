@@ -44,7 +44,7 @@ constexpr double kMaxGapRows = 3.0;   // or of the distance between neighbouring
 /// Scans the columns of a disparity image for free ground and obstacles, see scanGround().
 class ColumnScanner {
  public:
-  /// @param params  without 0; all arguments must outlive the scanner
+  /// All arguments must outlive the scanner.
   ColumnScanner(const stereo::DisparityImage& disparity, const cv::Mat& image,
                 const StereoCamera& camera, const stereo::GroundPlane& ground,
                 const stereo::RigCapability& rig, const GroundScanParams& params)
@@ -52,13 +52,13 @@ class ColumnScanner {
         image_(image),
         camera_(camera),
         ground_(ground),
+        rig_(rig),
         params_(params),
         fb_(camera.fx * camera.baseline_m),
-        meets_drops_(rig.meets_drops),
-        matched_to_m_(kBeyondReach * params.reach_m),
+        matched_to_m_(kBeyondReach * rig.obstacles_to_m),
         obstacles_to_m_(rig.meets_drops
-                            ? std::clamp(rig.high_obstacles_to_m, params.reach_m, matched_to_m_)
-                            : params.reach_m) {}
+                            ? std::clamp(rig.high_obstacles_to_m, rig.obstacles_to_m, matched_to_m_)
+                            : rig.obstacles_to_m) {}
 
   /// Height from which an obstacle at a depth can be told from ground and ramps [m].
   /// The part of an obstacle that is above the noise of the ground must rise more than a ramp.
@@ -72,7 +72,7 @@ class ColumnScanner {
     read(column, left_out);
     columns_.push_back({column, obstacles()});
     const auto drop = findDrop();
-    double free_to = drop ? std::min(params_.reach_m, drop->from) : params_.reach_m;
+    double free_to = drop ? std::min(rig_.obstacles_to_m, drop->from) : rig_.obstacles_to_m;
     if (!columns_.back().obstacles.empty()) {
       const double nearest = fb_ / columns_.back().obstacles.front().disparity;
       free_to = std::min(free_to, nearest - kContrastSigmas * sigmaAt(nearest));
@@ -80,7 +80,7 @@ class ColumnScanner {
     for (const auto& piece : freeBefore(free_to)) {
       scan.free.push_back({placeAt(column, piece.from), placeAt(column, piece.to)});
     }
-    if (drop && meets_drops_ && drop->to <= params_.reach_m) {
+    if (drop && rig_.meets_drops && drop->to <= rig_.obstacles_to_m) {
       const auto sigma = static_cast<float>(sigmaAt(drop->to));
       scan.obstacles.push_back({placeAt(column, drop->to), sigma});
       if (drop->to - drop->from < kMaxGapRatio * ground_.camera_height) {
@@ -156,12 +156,13 @@ class ColumnScanner {
       const double depth = fb_ / d;
       const double height = ground_.heightOf(Eigen::Vector3d(x, y, 1.0) * depth);
       if (height > params_.max_obstacle_height_m) continue;
-      const double clearance = ground_.clearance(depth);
+      const double lowest = rig_.obstacleHeight(depth);
+      const double clearance = std::max(stereo::kGroundRatio * lowest, ground_.tolerance(depth));
       if (height > clearance) {
         raised_.push_back({d, height, row});
       } else if (height >= -clearance) {
         seen_ground_.push_back({depth, height, row});
-      } else if (height <= -params_.min_obstacle_height_m) {
+      } else if (height <= -lowest) {
         below_.push_back({depth, height, row});
       }
     }
@@ -240,15 +241,15 @@ class ColumnScanner {
   [[nodiscard]] bool isUpright(std::size_t first, std::size_t last, double extent,
                                double edge) const {
     const double depth = fb_ / raised_[first].disparity;
-    const double rows =
-        kUprightRatio * params_.min_obstacle_height_m * camera_.fy / disparity_.reduce / depth;
+    const double least = rig_.obstacleHeight(depth);
+    const double rows = kUprightRatio * least * camera_.fy / disparity_.reduce / depth;
     if (static_cast<double>(last - first) < std::max(1.0 * kMinRows, kMatchedRatio * rows)) {
       return false;
     }
     const double top = highest(first, last) - edge;
     const double bottom = lowest(first, last);
-    const double rise = std::max(kMinRiseRatio * params_.min_obstacle_height_m, kMaxSlope * extent);
-    return top >= params_.min_obstacle_height_m && top - bottom >= rise;
+    const double rise = std::max(kMinRiseRatio * least, kMaxSlope * extent);
+    return top >= least && top - bottom >= rise;
   }
 
   /// Whether points at one distance have at least a height: enough rows, or behind an obstacle as
@@ -257,7 +258,7 @@ class ColumnScanner {
                                 double edge) const {
     const double near = raised_[first].disparity / fb_;
     const double ramp = behind ? 0.0 : kMaxSlope / near;
-    const double height = std::max(ramp, params_.min_obstacle_height_m);
+    const double height = std::max(ramp, rig_.obstacleHeight(1.0 / near));
     const double far = raised_[last - 1].disparity / fb_;
     const double below = std::abs(ground_.camera_height - height);
     const double horizontal = camera_.fy / disparity_.reduce * below * (near - far);
@@ -313,7 +314,7 @@ class ColumnScanner {
   }
 
   /// Whether the lowest matched point is as high as an obstacle.
-  [[nodiscard]] bool hangs(double low) const { return low > params_.min_obstacle_height_m; }
+  [[nodiscard]] bool hangs(double low) const { return low > rig_.min_obstacle_height_m; }
 
   /// Whether ground behind points at one distance is matched below them in the image.
   [[nodiscard]] bool isGroundSeenUnder(std::size_t first, std::size_t last) const {
@@ -385,7 +386,7 @@ class ColumnScanner {
       // A far rim looks like ground behind a gap. Roads have no drops, but asphalt hardly any
       // texture.
       if (!joined) {
-        ground_from = meets_drops_ ? distinctBehind(seen) : seen - max_gap;
+        ground_from = rig_.meets_drops ? distinctBehind(seen) : seen - max_gap;
       }
       const double from =
           std::max({hiddenFrom(seen), ground_from, joined ? distinctBefore(last) : 0.0});
@@ -401,7 +402,7 @@ class ColumnScanner {
 
   /// An obstacle of the minimum height hides the ground seen at a depth if it stands from here on.
   [[nodiscard]] double hiddenFrom(double seen) const {
-    return seen * (1.0 - std::min(1.0, params_.min_obstacle_height_m / ground_.camera_height));
+    return seen * (1.0 - std::min(1.0, rig_.obstacleHeight(seen) / ground_.camera_height));
   }
 
   /// An obstacle up to here has another disparity than the ground at a depth.
@@ -431,9 +432,9 @@ class ColumnScanner {
   const cv::Mat& image_;
   const StereoCamera& camera_;
   const stereo::GroundPlane& ground_;
+  const stereo::RigCapability& rig_;
   const GroundScanParams& params_;
   double fb_;
-  bool meets_drops_;
   double matched_to_m_;    ///< an obstacle up to here ends a column
   double obstacles_to_m_;  ///< and is entered up to here
   // Points of the column read, by their heights; what is raised and the ground nearest first.
@@ -453,7 +454,8 @@ void GroundScanParams::describe(Params::Section section) {
   user.add(
       "min_obstacle_height_m", min_obstacle_height_m, 0.0, 2.0, "m",
       "Height above ground from which the robot cannot drive over an obstacle; 0: 0.12 m for "
-      "a camera mounted below 1 m, else 0.3 m; refused below the noise of the ground's height");
+      "a camera mounted below 1 m, near ones from 0.08 m on, else 0.3 m; refused below the noise "
+      "of the ground's height");
   user.add("max_obstacle_height_m", max_obstacle_height_m, 0.3, 10.0, "m",
            "Height above ground from which the robot can drive under an obstacle");
   section.add("sigma_disparity_px", sigma_disparity_px, 0.05, 5.0, "px",
@@ -487,13 +489,6 @@ stereo::RigCapability GroundScanParams::capabilityOf(const StereoCamera& camera)
   return rig;
 }
 
-GroundScanParams GroundScanParams::forRig(const stereo::RigCapability& rig) const {
-  GroundScanParams params = *this;
-  params.reach_m = rig.obstacles_to_m;
-  params.min_obstacle_height_m = rig.min_obstacle_height_m;
-  return params;
-}
-
 GroundScan scanGround(const stereo::DisparityImage& disparity, const cv::Mat& image,
                       const StereoCamera& camera, const stereo::GroundPlane& ground,
                       const MovingRegions& moving, const GroundScanParams& params, int step) {
@@ -501,9 +496,8 @@ GroundScan scanGround(const stereo::DisparityImage& disparity, const cv::Mat& im
   if (ground.up.y() > kMaxUpY) return scan;
   const cv::Mat left_out = leftOutCells(moving, disparity);
   const auto rig = stereo::rigCapability(camera, params.configured());
-  const GroundScanParams for_rig = params.forRig(rig);
   const auto plane = stereo::groundPlane(rig, ground.up, ground.camera_height);
-  ColumnScanner scanner(disparity, image, camera, plane, rig, for_rig);
+  ColumnScanner scanner(disparity, image, camera, plane, rig, params);
   for (int column = 0; column < disparity.values.cols; column += step) {
     scanner.scan(column, left_out, scan);
   }

@@ -47,7 +47,6 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
   if (!all_params.slam.mapping) params.period_s = 0.0;
   params.map.footprint = all_params.robot;
   if (!rig) return params;
-  params.scan = params.scan.forRig(*rig);
   params.map.spacing_m = rig->grid_spacing_m;
   return params;
 }
@@ -56,7 +55,7 @@ GridParams gridFor(const std::optional<stereo::RigCapability>& rig,
 std::optional<map::LocalLayer> localFor(const std::optional<stereo::RigCapability>& rig,
                                         const GridParams& params) {
   if (!rig || !params.local) return std::nullopt;
-  return map::LocalLayer(params.scan.reach_m, params.map.footprint, rig->nearest_m);
+  return map::LocalLayer(rig->obstacles_to_m, params.map.footprint, rig->nearest_m);
 }
 
 /// Number in the name of an attachment of a submap other than the first; nullopt: another name.
@@ -436,7 +435,7 @@ std::optional<LaserScene> Mapping::laserScene(const FrameState& state) const {
   scene.interval_s = state.secondsSincePrevious();
   scene.ground = *ground;
   scene.camera = camera_->T_robot_cam.translation();
-  scene.min_obstacle_height_m = grid_params_.scan.min_obstacle_height_m;
+  scene.min_obstacle_height_m = rig_->min_obstacle_height_m;
   scene.max_obstacle_height_m = grid_params_.scan.max_obstacle_height_m;
   scene.footprint = grid_params_.map.footprint;
   return scene;

@@ -15,7 +15,8 @@ struct MountingAssumptions {
   double min_known_height_m = 0.05;  ///< a lower origin is the camera itself, not the ground
   double height_m = 1.65;            ///< without known mounting: of KITTI's car
   double low_mount_m = 1.0;          ///< below it a robot's camera, else a car's
-  double low_obstacle_m = 0.12;      ///< a robot's default: what its wheels do not pass
+  double low_obstacle_m = 0.12;      ///< a robot's default
+  double kerb_m = 0.08;              ///< what its wheels do not pass
   double high_obstacle_m = 0.3;      ///< a car's
 };
 
@@ -73,13 +74,11 @@ double depthOfSigma(const RigCapability& rig, double sigma_m) {
 /// Depth up to which a constant speed is significant.
 double motionReach(const RigCapability& rig, double speed, double rate_hz) {
   const double frames = std::max(2.0, kNeeds.motion_window_s * rate_hz);
-  const double max_depth_sigma =
-      speed * kNeeds.motion_window_s / kNeeds.motion_sigmas / std::sqrt(12.0 / frames);
-  return depthOfSigma(rig, max_depth_sigma);
+  const double way_m = speed * kNeeds.motion_window_s;
+  return depthOfSigma(rig, way_m / kNeeds.motion_sigmas / std::sqrt(12.0 / frames));
 }
 
-double obstacleReach(const RigCapability& rig, double focal) {
-  const double h = rig.min_obstacle_height_m;
+double obstacleReach(const RigCapability& rig, double focal, double h) {
   const double by_size = focal * h / kNeeds.min_obstacle_px;
   const double by_depth = depthOfSigma(rig, kNeeds.max_depth_sigma_m);
   if (!rig.camera_height_known) return std::min(by_size, by_depth);
@@ -93,10 +92,23 @@ double valueOr(double configured, double derived) {
   return configured > 0.0 ? configured : derived;
 }
 
+/// Only a robot whose user states no height is stopped by kerbs.
+void setObstacleHeights(double configured, RigCapability& rig) {
+  rig.min_obstacle_height_m =
+      valueOr(configured, rig.meets_drops ? kMounting.low_obstacle_m : kMounting.high_obstacle_m);
+  const bool meets_kerbs = rig.meets_drops && configured <= 0.0;
+  rig.low_obstacle_height_m = meets_kerbs ? kMounting.kerb_m : rig.min_obstacle_height_m;
+}
+
 }  // namespace
 
 double RigCapability::depthSigma(double depth_m) const {
   return sigma_disparity_px * depth_m * depth_m / focal_baseline;
+}
+
+double RigCapability::obstacleHeight(double depth_m) const {
+  return std::clamp(low_obstacle_height_m * depth_m / low_obstacles_to_m, low_obstacle_height_m,
+                    min_obstacle_height_m);
 }
 
 RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& assumptions) {
@@ -110,11 +122,7 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   rig.camera_height_known = mounted >= kMounting.min_known_height_m;
   rig.camera_height_m = rig.camera_height_known ? mounted : kMounting.height_m;
   rig.meets_drops = rig.camera_height_m < kMounting.low_mount_m;
-  rig.min_obstacle_height_m = assumptions.min_obstacle_height_m;
-  if (rig.min_obstacle_height_m <= 0.0) {
-    rig.min_obstacle_height_m =
-        rig.meets_drops ? kMounting.low_obstacle_m : kMounting.high_obstacle_m;
-  }
+  setObstacleHeights(assumptions.min_obstacle_height_m, rig);
   const bool is_depth = camera.isDepthCamera();
   const double by_disparity =
       is_depth ? kMatching.nearest_depth_m
@@ -136,7 +144,10 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
     return measured(valueOr(configured, rounded(derived)));
   };
   rig.ground_to_m = reach(depthOfSigma(rig, kNeeds.max_ground_sigma_m));
-  rig.obstacles_to_m = reach(obstacleReach(rig, camera.fy), assumptions.obstacles_to_m);
+  rig.obstacles_to_m =
+      reach(obstacleReach(rig, camera.fy, rig.min_obstacle_height_m), assumptions.obstacles_to_m);
+  rig.low_obstacles_to_m =
+      std::min(reach(obstacleReach(rig, camera.fy, rig.low_obstacle_height_m)), rig.obstacles_to_m);
   rig.high_obstacles_to_m = reach(depthOfSigma(rig, kNeeds.max_depth_sigma_m));
   rig.people_to_m = reach(motionReach(rig, kNeeds.walking_speed_mps, assumptions.rate_hz));
   rig.vehicles_to_m = reach(motionReach(rig, kNeeds.vehicle_speed_mps, assumptions.rate_hz),
@@ -156,6 +167,8 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
 
 std::string describe(const RigCapability& rig) {
   const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
+  const bool has_low = rig.low_obstacle_height_m < rig.min_obstacle_height_m &&
+                       rig.obstacles_from_m < rig.low_obstacles_to_m;
   const std::string kind = rig.depth_reach_m > 0.0
                                ? formatted("depth camera to %.1f m", rig.depth_reach_m)
                                : formatted("baseline %.2f m", rig.baseline_m);
@@ -165,7 +178,10 @@ std::string describe(const RigCapability& rig) {
                    rig.depth_reach_m > 0.0 ? "used" : "matched", rig.nearest_m) +
          (sees_obstacles
               ? formatted("obstacles of %.2f m at %.1f to %.1f m", rig.min_obstacle_height_m,
-                          rig.obstacles_from_m, rig.obstacles_to_m)
+                          rig.obstacles_from_m, rig.obstacles_to_m) +
+                    (has_low ? formatted(", of %.2f m to %.1f m", rig.low_obstacle_height_m,
+                                         rig.low_obstacles_to_m)
+                             : "")
               : formatted("no obstacles of %.2f m", rig.min_obstacle_height_m)) +
          formatted(", people's motion to %.1f m, vehicles' to %.0f m", rig.people_to_m,
                    rig.vehicles_to_m);

@@ -36,6 +36,7 @@ struct GridTruth {
   std::vector<std::uint8_t> people;    ///< 1: somebody stood or sat there at some time
   std::vector<std::uint8_t> in_reach;  ///< 1: an obstacle in the cell was visible within the reach
   std::vector<std::uint8_t> ahead;     ///< 1: it was visible at a depth of 0.5 to 3 m
+  std::vector<std::uint8_t> low;       ///< 1: an obstacle that may be called one, or not
   std::vector<std::uint8_t> drops;     ///< 1: the floor is lower than the ground by min_m or
                                        ///< more, or the cell lies in an outline of drops.csv
 };
@@ -57,8 +58,14 @@ constexpr PixelRules kRules{};
 /// Number of pixels on the ground and on obstacles in each cell.
 struct PixelCounts {
   explicit PixelCounts(std::size_t cells)
-      : ground(cells, 0), obstacle(cells, 0), in_reach(cells, 0), ahead(cells, 0), drop(cells, 0) {}
+      : ground(cells, 0),
+        low(cells, 0),
+        obstacle(cells, 0),
+        in_reach(cells, 0),
+        ahead(cells, 0),
+        drop(cells, 0) {}
   std::vector<int> ground;
+  std::vector<int> low;  ///< between low_m and min_m
   std::vector<int> obstacle;
   std::vector<int> in_reach;  ///< of the obstacle, most in one frame
   std::vector<int> ahead;     ///< of the obstacle, most in one frame
@@ -68,7 +75,7 @@ struct PixelCounts {
 void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera& camera,
                  const Pose& T_map_robot, const GridCells& grid, const ObstacleHeights& heights,
                  const ObstacleReach& reach, PixelCounts& counts) {
-  const double ground = std::min(kRules.ground_m, heights.min_m - kRules.height_margin_m);
+  const double ground = std::min(kRules.ground_m, heights.low_m - kRules.height_margin_m);
   std::unordered_map<std::size_t, int> in_reach;
   std::unordered_map<std::size_t, int> ahead;
   for (int v = 0; v < depth.rows; ++v) {
@@ -84,7 +91,11 @@ void countPixels(const cv::Mat& depth, const cv::Mat& moving, const StereoCamera
       const double height = in_map.z() - T_map_robot.translation().z();
       if (height <= -heights.min_m) ++counts.drop[*cell];
       if (height < ground && height > -heights.min_m) ++counts.ground[*cell];
-      if (height < heights.min_m + kRules.height_margin_m || height > heights.max_m) continue;
+      if (height < heights.low_m + kRules.height_margin_m || height > heights.max_m) continue;
+      if (height < heights.min_m + kRules.height_margin_m) {
+        ++counts.low[*cell];
+        continue;
+      }
       ++counts.obstacle[*cell];
       const double hidden = camera.isDepthCamera() ? 0.0 : camera.fx * camera.baseline_m / z;
       if (u < hidden) continue;  // outside of the right image
@@ -156,9 +167,10 @@ void markDrops(const fs::path& path, const GridCells& grid, std::vector<std::uin
 
 /// Computes the true occupancy from the truth folder of a simulated rawlog: true depth images,
 /// masks of moving objects and true poses. A cell is occupied if a static surface at an obstacle's
-/// height is visible in it, free if only ground is, unknown if a surface within 1 cm of the minimum
-/// height is and no higher one. An obstacle counts as visible where both cameras see it, with 49
-/// pixels in one frame of the left one: a quarter of a block that is matched.
+/// height is visible in it, free if only ground is, unknown if a surface is that may be called an
+/// obstacle, or not, or one within 1 cm of those heights, and no higher one. An obstacle counts as
+/// visible where both cameras see it, with 49 pixels in one frame of the left one: a quarter of a
+/// block that is matched.
 ///
 /// @param folder  NAME.truth with depth/, masks/, trajectory.tum, objects.csv and, if there are
 ///                drops, drops.csv
@@ -168,7 +180,7 @@ void markDrops(const fs::path& path, const GridCells& grid, std::vector<std::uin
 GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const GridCells& grid,
                     const ObstacleHeights& heights, const ObstacleReach& reach) {
   const std::vector<std::uint8_t> none(grid.states.size(), 0);
-  GridTruth truth{grid, none, none, none, none, none};
+  GridTruth truth{grid, none, none, none, none, none, none};
   const auto poses = io::readTum((folder / "trajectory.tum").string());
   PixelCounts counts(grid.states.size());
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
@@ -177,9 +189,12 @@ GridTruth gridTruth(const fs::path& folder, const StereoCamera& camera, const Gr
                 heights, reach, counts);
   }
   for (std::size_t i = 0; i < grid.states.size(); ++i) {
-    truth.cells.states[i] = counts.obstacle[i] >= kRules.min_pixels ? CellState::kOccupied
-                            : counts.ground[i] >= kRules.min_pixels ? CellState::kFree
-                                                                    : CellState::kUnknown;
+    const bool is_occupied = counts.obstacle[i] >= kRules.min_pixels;
+    truth.low[i] = !is_occupied && counts.low[i] >= kRules.min_pixels;
+    const bool is_free = truth.low[i] == 0 && counts.ground[i] >= kRules.min_pixels;
+    truth.cells.states[i] = is_occupied ? CellState::kOccupied
+                            : is_free   ? CellState::kFree
+                                        : CellState::kUnknown;
     truth.in_reach[i] = counts.in_reach[i] >= kRules.visible_pixels;
     truth.ahead[i] = counts.ahead[i] >= kRules.visible_pixels;
     // A pit's wall is no obstacle of its own; what reaches above the ground is.
@@ -240,6 +255,7 @@ Claim claimOf(const fs::path& path) {
         std::stod(configuration.at("grid").at("max_obstacle_height_m").get<std::string>());
     if (const auto rig = json.find("rig"); rig != json.end() && rig->is_object()) {
       claim.heights.min_m = rig->at("min_obstacle_height_m");
+      claim.heights.low_m = rig->value("low_obstacle_height_m", claim.heights.min_m);
       claim.reach = {rig->at("obstacles_from_m"), rig->at("obstacles_to_m")};
     }
   } catch (const std::exception& error) {
@@ -248,14 +264,14 @@ Claim claimOf(const fs::path& path) {
   return claim;
 }
 
-/// A map's truth has no people and nothing that moves, and a rim of a drop is an obstacle; what
-/// lies deeper in a drop is neither obstacle nor free.
+/// A map's truth has no people and nothing that moves; a rim of a drop is an obstacle, and so is
+/// what may be called one; what lies deeper in a drop is neither obstacle nor free.
 OccupiedPrecision precisionOf(const GridTruth& truth, const GridCells& estimate) {
   GridCells cells = truth.cells;
   std::vector<std::uint8_t> left_out = truth.swept;
   const auto rims = rimsOf(cells, truth.drops);
   for (std::size_t i = 0; i < left_out.size(); ++i) {
-    if (rims[i] != 0) cells.states[i] = CellState::kOccupied;
+    if (rims[i] != 0 || truth.low[i] != 0) cells.states[i] = CellState::kOccupied;
     if (truth.people[i] != 0 || (truth.drops[i] != 0 && rims[i] == 0)) left_out[i] = 1;
   }
   return occupiedPrecision(cells, estimate, left_out);
@@ -277,6 +293,7 @@ GridEvaluation evaluateGrid(const fs::path& truth, const fs::path& replay,
   const auto camera = io::readCalibration((replay / "calibration.yaml").string());
   const Claim claim = claimOf(replay / "replay.json");
   result.heights.min_m = heights.min_m > 0.0 ? heights.min_m : claim.heights.min_m;
+  result.heights.low_m = heights.min_m > 0.0 ? heights.min_m : claim.heights.low_m;
   result.heights.max_m = heights.max_m > 0.0 ? heights.max_m : claim.heights.max_m;
   result.reach = claim.reach;
   auto cells = gridTruth(truth, camera, result.estimate, result.heights, claim.reach);
@@ -319,6 +336,7 @@ nlohmann::ordered_json toJson(const GridEvaluation& evaluation) {
             {"unknown", precision.unknown},
             {"left_out", precision.left_out}}},
           {"min_obstacle_height_m", evaluation.heights.min_m},
+          {"low_obstacle_height_m", evaluation.heights.low_m},
           {"reach_m", evaluation.reach.to_m},
           {"in_reach", visibleJson(evaluation.in_reach)},
           {"ahead", visibleJson(evaluation.ahead)},

@@ -112,7 +112,7 @@ py::dict evaluateGrid(const std::string& truth, const std::string& estimate,
   return figuresOf([&] {
     return toJson(eval::evaluateGrid(
         truth, estimate,
-        {min_obstacle_height_m.value_or(0.0), max_obstacle_height_m.value_or(0.0)}));
+        {min_obstacle_height_m.value_or(0.0), max_obstacle_height_m.value_or(0.0), 0.0}));
   });
 }
 

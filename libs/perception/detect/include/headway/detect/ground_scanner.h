@@ -27,8 +27,6 @@ struct GroundScanParams {
   /// @throws InputError if the rig cannot tell obstacles of `min_obstacle_height_m` from the ground
   ///                    where it sees them best
   [[nodiscard]] stereo::RigCapability capabilityOf(const StereoCamera& camera) const;
-  /// Parameters without 0.
-  [[nodiscard]] GroundScanParams forRig(const stereo::RigCapability& rig) const;
   void validate() const { validateRanges(*this, "grid"); }  ///< @throws InputError
 };
 

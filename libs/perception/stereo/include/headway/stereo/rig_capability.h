@@ -11,8 +11,9 @@ namespace headway::stereo {
 
 /// Assumptions that a calibration does not contain.
 struct RigAssumptions {
-  double min_obstacle_height_m = 0.0;  ///< 0: 0.12 for a camera mounted below 1 m, else 0.3 [m]
-  double sigma_disparity_px = 0.4;     ///< noise of one disparity [px]
+  /// 0: for a camera mounted below 1 m 0.12, and from 0.08 on where that is seen; else 0.3 [m].
+  double min_obstacle_height_m = 0.0;
+  double sigma_disparity_px = 0.4;          ///< noise of one disparity [px]
   double rate_hz = FrameRate::kAssumed_hz;  ///< frames per second, as measured [Hz]
   // Configured values, which replace those of RigCapability; 0: derived.
   double nearest_m = 0.0;
@@ -56,10 +57,12 @@ struct RigCapability {
   double sigma_disparity_px = 0.0;     ///< as assumed [px]
   double rate_hz = 0.0;                ///< as assumed or measured [Hz]
   double min_obstacle_height_m = 0.0;  ///< of the obstacles below [m]
+  double low_obstacle_height_m = 0.0;  ///< of those that are seen where they can be [m]
   double nearest_m = 0.0;              ///< minimum depth matched [m]
   double ground_to_m = 0.0;            ///< ground is searched from nearest_m to here [m]
   double obstacles_from_m = 0.0;       ///< obstacles of the minimum height are visible from here
   double obstacles_to_m = 0.0;         ///< to here [m]
+  double low_obstacles_to_m = 0.0;     ///< to here if they are as high as low ones [m]
   double high_obstacles_to_m = 0.0;    ///< to here if they are higher: the depth error limits [m]
   bool meets_drops = false;            ///< mounted below 1 m: robots meet stairs, cars do not
   double people_to_m = 0.0;            ///< walking people are told from standing ones to here [m]
@@ -72,6 +75,9 @@ struct RigCapability {
 
   /// Standard deviation of a depth [m].
   [[nodiscard]] double depthSigma(double depth_m) const;
+  /// Height from which an obstacle at a depth is seen: of what is half as far, half of it, as the
+  /// formulas above say [m].
+  [[nodiscard]] double obstacleHeight(double depth_m) const;
 };
 
 /// The one place where parameters with the value 0 get that of the rig.

@@ -116,6 +116,7 @@ struct OccupiedPrecision {
 struct ObstacleHeights {
   double min_m = 0.3;
   double max_m = 2.0;
+  double low_m = 0.3;  ///< from here to min_m a surface may be called an obstacle, or not
 };
 
 /// Depths between which the rig claims to see obstacles [m].
