@@ -402,7 +402,7 @@ class ColumnScanner {
 
   /// An obstacle of the minimum height hides the ground seen at a depth if it stands from here on.
   [[nodiscard]] double hiddenFrom(double seen) const {
-    return seen * (1.0 - std::min(1.0, rig_.obstacleHeight(seen) / ground_.camera_height));
+    return seen * (1.0 - std::min(1.0, rig_.min_obstacle_height_m / ground_.camera_height));
   }
 
   /// An obstacle up to here has another disparity than the ground at a depth.

@@ -28,7 +28,7 @@ constexpr std::int8_t kFreeHit =
     6;  // evidence of free ground: three scans outweigh a near obstacle
 // Wrong matches of a scan are as many as its obstacles are few: what one alone has seen is unknown,
 // an obstacle is what two have.
-constexpr double kShownRatio = 0.625;
+constexpr double kShownRatio = 0.7;
 
 std::int8_t evidenceOf(double log_odds) {
   return static_cast<std::int8_t>(std::lround(kEvidenceUnit * log_odds));
