@@ -26,8 +26,8 @@ constexpr double kHit = 0.85, kMinHit = 0.25;  // log-odds of a near obstacle, a
                                                // whose cell is uncertain
 constexpr std::int8_t kFreeHit =
     6;  // evidence of free ground: three scans outweigh a near obstacle
-// Wrong matches of a scan are as many as its obstacles are few: what one alone has seen is unknown,
-// an obstacle is what two have.
+// A wrong match is as a rule seen from one place alone: a single hit is shown as unknown, two are
+// an obstacle.
 constexpr double kShownRatio = 0.7;
 
 std::int8_t evidenceOf(double log_odds) {

@@ -15,9 +15,9 @@ struct MountingAssumptions {
   double min_known_height_m = 0.05;  ///< a lower origin is the camera itself, not the ground
   double height_m = 1.65;            ///< without known mounting: of KITTI's car
   double low_mount_m = 1.0;          ///< below it a robot's camera, else a car's
-  double low_obstacle_m = 0.12;      ///< a robot's default
+  double robot_obstacle_m = 0.12;    ///< a robot's default
   double kerb_m = 0.08;              ///< what its wheels do not pass
-  double high_obstacle_m = 0.3;      ///< a car's
+  double car_obstacle_m = 0.3;       ///< a car's
 };
 
 /// What a detection needs (doc/rigs.md).
@@ -95,7 +95,7 @@ double valueOr(double configured, double derived) {
 /// Only a robot whose user states no height is stopped by kerbs.
 void setObstacleHeights(double configured, RigCapability& rig) {
   rig.min_obstacle_height_m =
-      valueOr(configured, rig.meets_drops ? kMounting.low_obstacle_m : kMounting.high_obstacle_m);
+      valueOr(configured, rig.meets_drops ? kMounting.robot_obstacle_m : kMounting.car_obstacle_m);
   const bool meets_kerbs = rig.meets_drops && configured <= 0.0;
   rig.low_obstacle_height_m = meets_kerbs ? kMounting.kerb_m : rig.min_obstacle_height_m;
 }
