@@ -27,20 +27,27 @@ bool moves(const sim::DriveCommand& motion) {
   return std::abs(motion.speed) > kMoves_mps || std::abs(motion.turn_rate) > kTurns_radps;
 }
 
+const sim::Footprint& nearestTo(const sim::Footprint& body,
+                                const std::vector<sim::Footprint>& shapes) {
+  return *std::min_element(shapes.begin(), shapes.end(), [&](const auto& a, const auto& b) {
+    return gapBetween(body, a) < gapBetween(body, b);
+  });
+}
+
 }  // namespace
 
-sim::Footprint brakingZone(const sim::Mover& mover) {
-  const double speed = mover.velocity.norm();
+sim::Footprint brakingZone(const sim::Footprint& part, const Vector2d& velocity) {
+  const double speed = velocity.norm();
   const double distance = speed * speed / (2.0 * kBrake);
-  if (distance < 1e-6) return mover.shape;
-  const Vector2d along = mover.velocity / speed;
+  if (distance < 1e-6) return part;
+  const Vector2d along = velocity / speed;
   const double yaw = std::atan2(along.y(), along.x());
   // Of a shape that is not a point, the rectangle along the motion that encloses it.
-  const double turn = mover.shape.yaw - yaw;
-  const Vector2d& size = mover.shape.size;
+  const double turn = part.yaw - yaw;
+  const Vector2d& size = part.size;
   const Vector2d extent(std::abs(std::cos(turn)) * size.x() + std::abs(std::sin(turn)) * size.y(),
                         std::abs(std::sin(turn)) * size.x() + std::abs(std::cos(turn)) * size.y());
-  return {mover.shape.centre + 0.5 * distance * along, extent + Vector2d(distance, 0.0), yaw};
+  return {part.centre + 0.5 * distance * along, extent + Vector2d(distance, 0.0), yaw};
 }
 
 double approachSpeed(const sim::DrivenRobot& robot, const Vector2d& size,
@@ -74,8 +81,11 @@ void ContactCounter::observe(const sim::DrivenRobot& robot, const std::vector<si
 void ContactCounter::meet(const sim::DrivenRobot& robot, const sim::Mover& mover,
                           Encounter& encounter) {
   const sim::Footprint body{robot.position, size_, robot.yaw};
-  const sim::Footprint zone = brakingZone(mover);
-  const double gap = std::max(0.0, gapBetween(body, mover.shape) - mover.radius_m);
+  std::vector<sim::Footprint> zones;
+  for (const auto& part : mover.parts) zones.push_back(brakingZone(part, mover.velocity));
+  const sim::Footprint& zone = nearestTo(body, zones);
+  const sim::Footprint& part = nearestTo(body, mover.parts);
+  const double gap = std::max(0.0, gapBetween(body, part) - mover.radius_m);
   counts_.min_distance_m = std::min(counts_.min_distance_m, gap);
   if (gapBetween(body, zone) > mover.radius_m) {
     encounter.intruded = false;
@@ -85,7 +95,7 @@ void ContactCounter::meet(const sim::DrivenRobot& robot, const sim::Mover& mover
   const bool touches = gap <= 0.0;
   touches_ = touches_ || touches;
   if (touches && !encounter.touches) {
-    const bool approaches = approachSpeed(robot, size_, mover.shape) > kMoves_mps;
+    const bool approaches = approachSpeed(robot, size_, part) > kMoves_mps;
     ++(encounter.intruded || approaches ? counts_.by_robot : counts_.by_others);
   }
   encounter.touches = touches;

@@ -13,11 +13,12 @@
 
 namespace headway::app {
 
-/// The ground that somebody needs to come to a stop: the shape, prolonged by the braking distance.
+/// The ground that a part of somebody needs to come to a stop: prolonged by the braking distance.
 ///
 /// @return  to be enlarged by the mover's radius on all sides
 /// @see     a walker brakes at 2.5 m/s^2 at most, as in the simulation; cyclists and forklifts, too
-[[nodiscard]] sim::Footprint brakingZone(const sim::Mover& mover);
+[[nodiscard]] sim::Footprint brakingZone(const sim::Footprint& part,
+                                         const Eigen::Vector2d& velocity);
 
 /// Speed at which the robot's own motion brings its nearest point nearer to a shape [m/s]; negative
 /// if it draws away.

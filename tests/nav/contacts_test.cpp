@@ -26,7 +26,7 @@ sim::DrivenRobot robotAt(double x, double speed) {
 sim::Mover personAt(const Vector2d& place, const Vector2d& velocity) {
   sim::Mover person;
   person.id = 1;
-  person.shape = {place, Vector2d::Zero(), 0.0};
+  person.parts = {{place, Vector2d::Zero(), 0.0}};
   person.radius_m = 0.25;
   person.velocity = velocity;
   return person;
@@ -87,6 +87,22 @@ TEST(ContactsTest, WhoPassesAStandingRobotIsNoNearMiss) {
   EXPECT_EQ(0u, meet(0.0, 0.0, 0.0, {2.0, 0.6}, {-1.0, 0.0}, 4.0).near_misses);
 }
 
+TEST(ContactsTest, BesideTheForksOfAForkliftIsNoContact) {
+  sim::Mover forklift;
+  forklift.parts = {{{-0.5, 0.0}, {2.2, 1.15}, 0.0}, {{1.1, 0.0}, {1.0, 0.62}, 0.0}};
+  const auto touches = [&](double x, double y) {
+    ContactCounter counter(kSize);
+    sim::DrivenRobot robot = robotAt(x, 0.5);
+    robot.position.y() = y;
+    robot.yaw = M_PI;
+    counter.observe(robot, {forklift}, kStep_s);
+    return counter.counts().by_robot;
+  };
+  EXPECT_EQ(0u, touches(1.2, 0.53));
+  EXPECT_EQ(1u, touches(1.2, 0.5)) << "on a fork";
+  EXPECT_EQ(1u, touches(0.84, 0.53)) << "at its body";
+}
+
 TEST(ContactsTest, PushingAgainstAThingCountsOnce) {
   ContactCounter counter(kSize);
   sim::DrivenRobot robot = robotAt(0.0, 0.1);
@@ -101,9 +117,10 @@ TEST(ContactsTest, PushingAgainstAThingCountsOnce) {
 }
 
 TEST(ContactsTest, ABrakingZoneGrowsWithTheSquareOfTheSpeed) {
-  EXPECT_EQ(0.0, brakingZone(personAt({1.0, 2.0}, {0.0, 0.0})).size.norm());
-  const sim::Footprint slow = brakingZone(personAt({0.0, 0.0}, {0.0, 1.0}));
-  const sim::Footprint fast = brakingZone(personAt({0.0, 0.0}, {0.0, 2.0}));
+  EXPECT_EQ(0.0, brakingZone({{1.0, 2.0}, Vector2d::Zero(), 0.0}, {0.0, 0.0}).size.norm());
+  const sim::Footprint person{{0.0, 0.0}, Vector2d::Zero(), 0.0};
+  const sim::Footprint slow = brakingZone(person, {0.0, 1.0});
+  const sim::Footprint fast = brakingZone(person, {0.0, 2.0});
   EXPECT_NEAR(0.2, slow.size.x(), 1e-9);
   EXPECT_NEAR(0.8, fast.size.x(), 1e-9);
   EXPECT_LT((slow.centre - Vector2d(0.0, 0.1)).norm(), 1e-9) << "it lies ahead";

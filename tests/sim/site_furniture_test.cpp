@@ -199,6 +199,34 @@ TEST(MachineMeshTest, FillsTheActorsSizeAndStandsOnTheGround) {
   }
 }
 
+TEST(MachineMeshTest, AForkliftLiesWithinItsPartsAndFillsThem) {
+  Random random(1);
+  Actor actor;
+  actor.kind = ActorKind::kForklift;
+  actor.size = drawSize(actor.kind, random);
+  const std::vector<Footprint> parts = partsOf(actor);
+  std::vector<Eigen::AlignedBox2d> filled(parts.size());
+  const Mesh mesh = forkliftMesh(actor);
+  for (const auto& triangle : mesh.triangles) {
+    for (const auto& vertex : triangle) {
+      const Eigen::Vector2d place = vertex.position.head<2>().cast<double>();
+      bool is_inside = false;
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        const Eigen::Vector2d offset = (place - parts[i].centre).cwiseAbs();
+        if ((offset - 0.5 * parts[i].size).maxCoeff() > 0.001) continue;
+        filled[i].extend(place);
+        is_inside = true;
+      }
+      EXPECT_TRUE(is_inside) << place.transpose();
+    }
+  }
+  ASSERT_EQ(2u, parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    EXPECT_NEAR(filled[i].sizes().y(), parts[i].size.y(), 0.01) << i;
+    EXPECT_NEAR(filled[i].max().x(), parts[i].centre.x() + 0.5 * parts[i].size.x(), 0.01) << i;
+  }
+}
+
 TEST(MachinesTest, StandClearOfWherePeopleAndTheRobotGo) {
   Site site;
   site.area = rectangle(0, 0, 12, 8);

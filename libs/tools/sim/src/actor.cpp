@@ -38,6 +38,20 @@ bool isPerson(ActorKind kind) {
   return kind == ActorKind::kPedestrian || kind == ActorKind::kSeatedPerson;
 }
 
+std::vector<Footprint> partsOf(const Actor& actor) {
+  const Eigen::Vector2d place = actor.position.head<2>(), size = actor.size.head<2>();
+  if (isPerson(actor.kind)) return {{place, Eigen::Vector2d::Zero(), actor.yaw}};
+  if (actor.kind != ActorKind::kForklift) return {{place, size, actor.yaw}};
+  const Eigen::Vector2d ahead(std::cos(actor.yaw), std::sin(actor.yaw));
+  const auto part = [&](double from, double to, double width) -> Footprint {
+    return {place + 0.5 * (from + to) * ahead, {to - from, width}, actor.yaw};
+  };
+  const double front = 0.5 * size.x();
+  const double body = kForklift.mast_ratio * size.x() - front + kForklift.carriage_m;
+  return {part(-front, body, size.y()),
+          part(body, front, 2.0 * kForklift.fork_m + kForklift.fork_width_m)};
+}
+
 Eigen::Vector3d drawSize(ActorKind kind, Random& random) {
   switch (kind) {
     case ActorKind::kCar:

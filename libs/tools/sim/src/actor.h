@@ -4,9 +4,11 @@
 
 #include <headway/core/object_class.h>
 #include <headway/core/random.h>
+#include <headway/sim/simulator.h>
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 namespace headway::sim {
 
@@ -61,6 +63,19 @@ struct Actor {
     return position + Eigen::Vector3d(0.0, 0.0, 0.5 * size.z());
   }
 };
+
+/// What a forklift looks like from above.
+struct ForkliftShape {
+  double mast_ratio = 0.62;  ///< from the rear to the mast
+  double carriage_m = 0.14;  ///< from there to the end of what is as wide as the body
+  double fork_m = 0.25;      ///< to each side, from the middle to that of a fork
+  double fork_width_m = 0.12;
+};
+inline constexpr ForkliftShape kForklift;
+
+/// What it takes of the ground, seen from above, world [m]: of a person a point, of a forklift body
+/// and forks.
+[[nodiscard]] std::vector<Footprint> partsOf(const Actor& actor);
 
 /// A size drawn from what the kind measures in traffic.
 [[nodiscard]] Eigen::Vector3d drawSize(ActorKind kind, Random& random);

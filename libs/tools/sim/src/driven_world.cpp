@@ -116,12 +116,12 @@ class DrivenWorld::Impl {
       Mover& mover = movers.emplace_back();
       mover.id = actor.id;
       mover.object_class = classOf(actor.kind);
-      mover.shape = {actor.position.head<2>(), actor.size.head<2>(), actor.yaw};
+      mover.shape = inMap(Footprint{actor.position.head<2>(), actor.size.head<2>(), actor.yaw});
       if (isPerson(actor.kind)) {
         mover.shape.size.setZero();
         mover.radius_m = kHalfShoulders_m;
       }
-      mover.shape = inMap(mover.shape);
+      for (const Footprint& part : partsOf(actor)) mover.parts.push_back(inMap(part));
       mover.height_m = actor.size.z();
       mover.velocity = Eigen::Rotation2Dd(-start_yaw_) * actor.velocity;
     }

@@ -263,7 +263,10 @@ Mesh forkliftMesh(const Actor& actor) {
   const UvRect paint = skin.side.part(0.3F, 0.55F, 0.7F, 0.8F), dark = skin.dark;
   const Vector3f size = actor.size.cast<float>();
   const float rear = -0.5F * size.x(), half = 0.5F * size.y();
-  const float mast = rear + 0.62F * size.x();  // forks reach from here to the front
+  const auto mast = rear + static_cast<float>(kForklift.mast_ratio) * size.x();
+  const auto fork = static_cast<float>(kForklift.fork_m);
+  const auto half_fork = 0.5F * static_cast<float>(kForklift.fork_width_m);
+  const auto carriage = mast + static_cast<float>(kForklift.carriage_m);
   Mesh mesh;
   addBox(mesh, {rear, -half, 0.25F}, {rear + 0.5F, half, 1.05F}, paint);  // counterweight
   addBox(mesh, {rear + 0.5F, -half, 0.25F}, {mast - 0.15F, half, 0.62F}, paint);
@@ -277,13 +280,13 @@ Mesh forkliftMesh(const Actor& actor) {
     }
     addBox(mesh, {mast, side * 0.35F - 0.06F, 0.08F}, {mast + 0.12F, side * 0.35F + 0.06F, 2.05F},
            dark);
-    addBox(mesh, {mast + 0.12F, side * 0.25F - 0.06F, 0.08F},
-           {0.5F * size.x(), side * 0.25F + 0.06F, 0.14F}, dark);  // fork
+    addBox(mesh, {mast + 0.12F, side * fork - half_fork, 0.08F},
+           {0.5F * size.x(), side * fork + half_fork, 0.14F}, dark);
     addWheel(mesh, {mast - 0.3F, side * (half - 0.12F), 0.33F}, 0.33F, 0.22F, dark);
     addWheel(mesh, {rear + 0.35F, side * (half - 0.12F), 0.26F}, 0.26F, 0.2F, dark);
   }
   addBox(mesh, {rear + 0.4F, -half, size.z() - 0.06F}, {mast - 0.2F, half, size.z()}, dark);
-  addBox(mesh, {mast + 0.1F, -0.45F, 0.3F}, {mast + 0.14F, 0.45F, 0.75F}, dark);  // carriage
+  addBox(mesh, {mast + 0.1F, -0.45F, 0.3F}, {carriage, 0.45F, 0.75F}, dark);
   return mesh;
 }
 

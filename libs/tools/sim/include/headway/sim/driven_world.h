@@ -31,8 +31,9 @@ struct DrivenRobot {
 struct Mover {
   std::int64_t id = -1;
   ObjectClass object_class = ObjectClass::kUnknown;
-  Footprint shape;        ///< map frame; of a person, a point
-  double radius_m = 0.0;  ///< about the shape: of a person half the width of the shoulders
+  Footprint shape;               ///< map frame; of a person, a point
+  std::vector<Footprint> parts;  ///< of it what can be touched: of a forklift, body and forks
+  double radius_m = 0.0;         ///< about the parts: of a person half the width of the shoulders
   double height_m = 0.0;
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< map frame [m/s]
 };
