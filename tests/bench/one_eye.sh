@@ -4,7 +4,7 @@
 # odometry, and of how many good frames that is said. Ends with the bars that are missed, and fails then. Needs the
 # targets bench_one_eye, headway-import and -sim.
 #   [HEADWAY_DATA=DATA] tests/bench/one_eye.sh [--check] [OUT]
-# OUT (default out/one_eye) contains rawlogs; existing ones are reused. Two hours. --check measures nothing: it compares
+# OUT (default out/one_eye) contains rawlogs; existing ones are reused. An hour. --check measures nothing: it compares
 # OUT/measured.txt with the bars.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -14,20 +14,23 @@ bin=build/release/bin
 bench=build/release/tests/bench/pipeline/bench_one_eye
 
 measure() {
-  local rawlog world odometry every
+  local rawlog world odometry every rate
   for odometry in "" --odometry; do
     echo "== failing rigs in the street $odometry"
     $bench rawlogs/street.rawlog --width 173 --width 336 --width 672 --width 1240 --moments 10 $odometry
     echo "== failing rigs in the hall $odometry"
     $bench rawlogs/hall.rawlog --width 173 --width 320 --width 640 --moments 5 $odometry
   done
-  for world in warehouse campus hall; do
+  for world in warehouse campus hall yard-loop; do
+    rate=()
+    [ $world != yard-loop ] || rate=(--set camera.rate_hz=30)
     [ -f "$out/$world.rawlog" ] || $bin/headway-sim -q -o "$out/$world.rawlog" -c config/worlds/$world.ini --seed 811 \
-      --rig robot --frames 300 --set recording.storage=external_jpeg
+      --rig robot --frames 300 --set recording.storage=external_jpeg "${rate[@]}"
   done
   if [ -n "${HEADWAY_DATA:-}" ]; then
-    [ -f "$out/06.rawlog" ] || $bin/headway-import -q kitti-odometry "$HEADWAY_DATA/kitti_odometry" --sequence 06 \
+    [ -f "$out/06.rawlog" ] || $bin/headway-import kitti-odometry "$HEADWAY_DATA/kitti_odometry" --sequence 06 -q \
       -o "$out/06.rawlog"
+    [ -f "$out/euroc.rawlog" ] || $bin/headway-import euroc "$HEADWAY_DATA/euroc/MH_01_easy" -q -o "$out/euroc.rawlog"
   fi
   for rawlog in rawlogs/*.rawlog "$out"/*.rawlog; do
     for every in 1 2 3; do
