@@ -40,7 +40,7 @@ tried() {
   recorded "racks-$((seed + 100))" warehouse $((seed + 100)) --frames 240 --set world.identical_racks=true
   elsewhere+=(--elsewhere "$out/racks-$((seed + 100)).rawlog")
   echo "== $name"
-  $bench --map "$out/$name.rawlog" "${again[@]}" --places "$places" | grep -v '^  frame'
+  $bench --map "$out/$name.rawlog" "${again[@]}" --mapped --places "$places" | grep -v '^  frame'
   # No second of another world is this one.
   $bench --map "$out/$name.rawlog" "${elsewhere[@]}" --places $((3 * places)) | grep -v '^  frame'
   echo "where nothing is mapped:"

@@ -3,7 +3,7 @@
 //
 //     bench_relocalisation --map MAP.rawlog --map-to N --restart OTHER.rawlog ... [--restart-from
 //     N]
-//         [--places 20] [--seed 1] [--seconds 3] [--elsewhere ANOTHER_WORLD.rawlog ...]
+//         [--places 20] [--seed 1] [--seconds 3] [--mapped] [--elsewhere ANOTHER_WORLD.rawlog ...]
 //
 // MAP is mapped up to frame N. The camera then restarts at random frames of OTHER, a recording in
 // the same frame of truth (it may be the rest of MAP, or MAP with people before the camera), with
@@ -11,7 +11,8 @@
 // first seconds is. Two errors of that frame: within the map, where the truth is taken from the
 // nearest mapped frame; and against the truth without any alignment, which has the map's own drift
 // in it. A start that is found more than 0.5 m from its place in the map is wrong.
-// Starts in ANOTHER_WORLD must not be found.
+// With --mapped they begin where a mapped frame was taken within 0.5 m and 20 degrees: robots that
+// meet other people drive elsewhere. Starts in ANOTHER_WORLD must not be found.
 
 #include <headway/core/error.h>
 #include <headway/core/statistics.h>
@@ -28,6 +29,7 @@ namespace {
 using namespace headway;
 
 constexpr double kRight_m = 0.5;  // of the right place
+constexpr double kSameView_rad = 20.0 * kDegree;
 
 struct Request {
   std::string map;
@@ -36,6 +38,7 @@ struct Request {
   std::optional<std::size_t> map_to, restart_from;
   int places = 20;
   int seed = 1;
+  bool mapped = false;
 };
 
 struct Start {
@@ -68,6 +71,15 @@ struct MappedPlace {
   std::vector<slam::FrameEstimate> frames;
   std::vector<Stamped<Pose>> truth;
 
+  /// Whether a mapped frame was taken there.
+  [[nodiscard]] bool shows(const Pose& T_truth_robot) const {
+    return std::any_of(frames.begin(), frames.end(), [&](const auto& frame) {
+      const Pose T = poseAt(frame.time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+      return T.translation().norm() <= kRight_m &&
+             Eigen::AngleAxisd(T.linear()).angle() <= kSameView_rad;
+    });
+  }
+
   /// Where in the map a place of the truth is: as seen from the mapped frame next to it.
   [[nodiscard]] Pose inMap(const Pose& T_truth_robot) const {
     const auto distance = [&](const slam::FrameEstimate& frame) {
@@ -97,15 +109,13 @@ MappedPlace mapPlace(const Request& request, const pipeline::PerceptionParams& s
           truthOf(request.map)};
 }
 
-/// Random frames of a recording, ascending, each the first of so many.
-std::vector<std::size_t> drawStarts(std::size_t from, std::size_t end, std::size_t frames,
+/// Random frames of a recording, ascending, some of those from which a start may begin.
+std::vector<std::size_t> drawStarts(const std::vector<std::size_t>& allowed,
                                     const Request& request) {
-  if (end < from + frames) throw InputError("the recording is too short to start in");
+  if (allowed.empty()) throw InputError("the recording has no frame to start at");
   std::mt19937 random(static_cast<unsigned>(request.seed));
   std::vector<std::size_t> starts;
-  for (int i = 0; i < request.places; ++i) {
-    starts.push_back(from + random() % (end - from - frames + 1));
-  }
+  for (int i = 0; i < request.places; ++i) starts.push_back(allowed[random() % allowed.size()]);
   std::sort(starts.begin(), starts.end());
   return starts;
 }
@@ -123,7 +133,11 @@ std::vector<Start> restart(const std::string& rawlog, std::size_t from, const Re
                                  std::max(1e-3, truth.back().time - truth.front().time);
   const auto frames_a_start =
       static_cast<std::size_t>(std::lround(request.seconds * frames_a_second)) + 1;
-  const auto firsts = drawStarts(from, truth.size(), frames_a_start, request);
+  std::vector<std::size_t> allowed;
+  for (std::size_t i = from; i + frames_a_start <= truth.size(); ++i) {
+    if (!request.mapped || place.shows(truth[i].value)) allowed.push_back(i);
+  }
+  const auto firsts = drawStarts(allowed, request);
   params.mapping = false;
   io::RawlogSourceOptions options;
   options.from_index = firsts.front();
@@ -195,6 +209,7 @@ int measure(int argc, const char* const* argv) {
   line.option(request.seconds, 0, "seconds", "S", "that a start may take");
   line.option(request.places, 0, "places", "N", "starts to try");
   line.option(request.seed, 0, "seed", "N", "of the choice of starts");
+  line.flag(request.mapped, 0, "mapped", "start where a mapped frame was taken");
   if (!line.parse(argc, argv)) return program::kDone;
   if (request.places < 1) throw program::UsageError("--places must be at least 1");
 
