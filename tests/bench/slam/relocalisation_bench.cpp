@@ -71,10 +71,15 @@ struct MappedPlace {
   std::vector<slam::FrameEstimate> frames;
   std::vector<Stamped<Pose>> truth;
 
+  /// A place of the truth from where a mapped frame was taken.
+  [[nodiscard]] Pose seenFrom(const slam::FrameEstimate& frame, const Pose& T_truth_robot) const {
+    return poseAt(frame.time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+  }
+
   /// Whether a mapped frame was taken there.
   [[nodiscard]] bool shows(const Pose& T_truth_robot) const {
     return std::any_of(frames.begin(), frames.end(), [&](const auto& frame) {
-      const Pose T = poseAt(frame.time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+      const Pose T = seenFrom(frame, T_truth_robot);
       return T.translation().norm() <= kRight_m &&
              Eigen::AngleAxisd(T.linear()).angle() <= kSameView_rad;
     });
@@ -84,13 +89,13 @@ struct MappedPlace {
   [[nodiscard]] Pose inMap(const Pose& T_truth_robot) const {
     const auto distance = [&](const slam::FrameEstimate& frame) {
       constexpr double kMetresARadian = 5.0;
-      const Pose T = poseAt(frame.time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+      const Pose T = seenFrom(frame, T_truth_robot);
       return T.translation().norm() + kMetresARadian * Eigen::AngleAxisd(T.linear()).angle();
     };
     const auto next =
         std::min_element(frames.begin(), frames.end(),
                          [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-    return next->T_map_robot * poseAt(next->time, truth).inverse(Eigen::Isometry) * T_truth_robot;
+    return next->T_map_robot * seenFrom(*next, T_truth_robot);
   }
 };
 
