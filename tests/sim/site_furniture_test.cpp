@@ -204,7 +204,7 @@ TEST(MachineMeshTest, AForkliftLiesWithinItsPartsAndFillsThem) {
   Actor actor;
   actor.kind = ActorKind::kForklift;
   actor.size = drawSize(actor.kind, random);
-  const std::vector<Footprint> parts = partsOf(actor);
+  const auto parts = partsOf(actor.kind, {actor.position.head<2>(), actor.size.head<2>(), 0.0});
   std::vector<Eigen::AlignedBox2d> filled(parts.size());
   const Mesh mesh = forkliftMesh(actor);
   for (const auto& triangle : mesh.triangles) {

@@ -38,17 +38,15 @@ bool isPerson(ActorKind kind) {
   return kind == ActorKind::kPedestrian || kind == ActorKind::kSeatedPerson;
 }
 
-std::vector<Footprint> partsOf(const Actor& actor) {
-  const Eigen::Vector2d place = actor.position.head<2>(), size = actor.size.head<2>();
-  if (isPerson(actor.kind)) return {{place, Eigen::Vector2d::Zero(), actor.yaw}};
-  if (actor.kind != ActorKind::kForklift) return {{place, size, actor.yaw}};
-  const Eigen::Vector2d ahead(std::cos(actor.yaw), std::sin(actor.yaw));
+std::vector<Footprint> partsOf(ActorKind kind, const Footprint& extent) {
+  if (kind != ActorKind::kForklift) return {extent};
+  const Eigen::Vector2d ahead(std::cos(extent.yaw), std::sin(extent.yaw));
   const auto part = [&](double from, double to, double width) -> Footprint {
-    return {place + 0.5 * (from + to) * ahead, {to - from, width}, actor.yaw};
+    return {extent.centre + 0.5 * (from + to) * ahead, {to - from, width}, extent.yaw};
   };
-  const double front = 0.5 * size.x();
-  const double body = kForklift.mast_ratio * size.x() - front + kForklift.carriage_m;
-  return {part(-front, body, size.y()),
+  const double front = 0.5 * extent.size.x();
+  const double body = kForklift.mast_ratio * extent.size.x() - front + kForklift.carriage_m;
+  return {part(-front, body, extent.size.y()),
           part(body, front, 2.0 * kForklift.fork_m + kForklift.fork_width_m)};
 }
 

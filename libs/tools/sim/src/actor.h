@@ -73,9 +73,8 @@ struct ForkliftShape {
 };
 inline constexpr ForkliftShape kForklift;
 
-/// What it takes of the ground, seen from above, world [m]: of a person a point, of a forklift body
-/// and forks.
-[[nodiscard]] std::vector<Footprint> partsOf(const Actor& actor);
+/// What a kind of some extent takes of the ground: of a forklift body and forks, of others all.
+[[nodiscard]] std::vector<Footprint> partsOf(ActorKind kind, const Footprint& extent);
 
 /// A size drawn from what the kind measures in traffic.
 [[nodiscard]] Eigen::Vector3d drawSize(ActorKind kind, Random& random);

@@ -121,7 +121,7 @@ class DrivenWorld::Impl {
         mover.shape.size.setZero();
         mover.radius_m = kHalfShoulders_m;
       }
-      for (const Footprint& part : partsOf(actor)) mover.parts.push_back(inMap(part));
+      mover.parts = partsOf(actor.kind, mover.shape);
       mover.height_m = actor.size.z();
       mover.velocity = Eigen::Rotation2Dd(-start_yaw_) * actor.velocity;
     }
