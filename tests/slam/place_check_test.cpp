@@ -29,9 +29,13 @@ class EvidenceTest : public testing::Test {
       landmark.measurement.uv = {25.0 + 30.0 * (i % 10), 10.0 + 30.0 * (i / 10)};
       const Eigen::Vector3d uvd(landmark.measurement.uv.x(), landmark.measurement.uv.y(), 20.0);
       landmark.id = map_.addLandmark(*triangulate(uvd, camera_), keyframe, landmark.measurement).id;
+      stereo::ReferencePatch patch;  // that is found nowhere
+      patch.centre.setConstant(stereo::ReferencePatch::kSize / 2.0F);
+      map_.findToChange(landmark.id)->patch = std::make_shared<stereo::ReferencePatch>(patch);
       expected_.push_back(landmark.id);
       all_.landmarks.push_back(landmark);
     }
+    frame_.left = stereo::buildPyramid(cv::Mat::zeros(240, 320, CV_8U), 1);
     frame_.right.disparities = cv::Mat(240, 320, CV_32F, cv::Scalar(20.0F));
   }
 
@@ -39,9 +43,7 @@ class EvidenceTest : public testing::Test {
   [[nodiscard]] int evidenceWith(int found) const {
     TrackedPose seen;
     seen.landmarks.assign(all_.landmarks.begin(), all_.landmarks.begin() + found);
-    return evidenceOf(seen, expected_, frame_, map_, camera_, matcherFor(camera_, SlamParams()),
-                      within_m_)
-        .sum();
+    return evidenceOf(seen, expected_, frame_, map_, camera_, SlamParams(), within_m_).sum();
   }
 
   /// Gives each landmark a descriptor of its own, and the first ones a twin.

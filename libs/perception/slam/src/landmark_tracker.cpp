@@ -200,12 +200,15 @@ std::vector<LandmarkTracker::Candidate> LandmarkTracker::candidatesByCell(
   return in_view;
 }
 
-std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& current,
-                                                           const Pose& T_map_cam,
-                                                           const Candidate& candidate,
-                                                           const SparseMap& map) const {
-  constexpr double kMaxShift = 8.0;  ///< from where it should be, at the level searched [px]
-  const Landmark& landmark = *candidate.landmark;
+/// A landmark's patch as it looks from a pose, at the level where it is about as large as when cut.
+struct LandmarkTracker::SeenPatch {
+  stereo::Patch patch;
+  int level = 0;
+  double scale = 1.0;  ///< pixels of the reference patch in one pixel of the level
+};
+
+std::optional<LandmarkTracker::SeenPatch> LandmarkTracker::patchSeenFrom(
+    const Pose& T_map_cam, const Landmark& landmark, int levels, const SparseMap& map) const {
   const Pose T_map_ref =
       map.keyframe(landmark.reference).T_map_cam * landmark.T_reference_cut.cast<double>();
   const Eigen::Vector3d point_ref = T_map_ref.inverse(Eigen::Isometry) * landmark.position;
@@ -214,26 +217,48 @@ std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& 
       referenceFromView(point_ref, T_map_cam.inverse(Eigen::Isometry) * T_map_ref, camera_);
   const double stretch = std::sqrt(std::abs(warp.determinant()));
   if (!std::isfinite(stretch) || stretch <= 0.0) return std::nullopt;
-  const int level =
-      std::clamp(static_cast<int>(std::lround(landmark.reference_level - std::log2(stretch))), 0,
-                 current.left.count() - 1);
-  const double scale = 1 << level;
-  const double to_reference = scale / (1 << landmark.reference_level);
+  const int level = std::clamp(
+      static_cast<int>(std::lround(landmark.reference_level - std::log2(stretch))), 0, levels - 1);
+  const double to_reference = static_cast<double>(1 << level) / (1 << landmark.reference_level);
   const auto patch = stereo::warpPatch(*landmark.patch, warp * to_reference);
   if (!patch) return std::nullopt;
+  return SeenPatch{*patch, level, stretch * to_reference};
+}
+
+std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& current,
+                                                           const Pose& T_map_cam,
+                                                           const Candidate& candidate,
+                                                           const SparseMap& map) const {
+  constexpr double kMaxShift = 8.0;  ///< from where it should be, at the level searched [px]
+  const auto seen = patchSeenFrom(T_map_cam, *candidate.landmark, current.left.count(), map);
+  if (!seen) return std::nullopt;
+  const double scale = 1 << seen->level;
   const Eigen::Vector2d expected = candidate.uvd.head<2>() / scale;
-  const auto found =
-      stereo::align(*patch, current.left.levels[level], expected, stereo::AlignmentAxes::kBoth);
+  const auto found = stereo::align(seen->patch, current.left.levels[seen->level], expected,
+                                   stereo::AlignmentAxes::kBoth);
   if (!found || !found->converged || found->zncc < params_.min_zncc ||
       (found->uv - expected).norm() > kMaxShift) {
     return std::nullopt;
   }
   TrackedLandmark result;
-  result.id = landmark.id;
-  result.level = level;
-  result.patch_scale = stretch * to_reference;
-  result.measurement = stereoMeasurement(current, scale * found->uv, candidate.uvd.z(), level);
+  result.id = candidate.landmark->id;
+  result.level = seen->level;
+  result.patch_scale = seen->scale;
+  result.measurement =
+      stereoMeasurement(current, scale * found->uv, candidate.uvd.z(), seen->level);
   return result;
+}
+
+std::optional<bool> LandmarkTracker::isFoundAt(const Eigen::Vector3d& uvd, const Landmark& landmark,
+                                               const TrackingFrame& current, const Pose& T_map_cam,
+                                               const SparseMap& map) const {
+  const auto seen = patchSeenFrom(T_map_cam, landmark, current.left.count(), map);
+  if (!seen) return std::nullopt;
+  const Eigen::Vector2d expected = uvd.head<2>() / (1 << seen->level);
+  const auto found = stereo::align(seen->patch, current.left.levels[seen->level], expected,
+                                   stereo::AlignmentAxes::kBoth);
+  return found && found->converged && found->zncc >= params_.min_zncc &&
+         (found->uv - expected).norm() <= 2.0;
 }
 
 /// The measurement of a landmark found in the left image, with its disparity where it matches.

@@ -114,12 +114,24 @@ class LandmarkTracker {
                                                      const std::vector<LandmarkId>& candidates,
                                                      SparseMap& map) const;
 
+  /// Whether a landmark is where the pose says, to two pixels of the level that it is searched at.
+  ///
+  /// @param uvd  where it is seen from there
+  /// @return     nullopt where it looks too different from there: too small, or too oblique
+  [[nodiscard]] std::optional<bool> isFoundAt(const Eigen::Vector3d& uvd, const Landmark& landmark,
+                                              const TrackingFrame& current, const Pose& T_map_cam,
+                                              const SparseMap& map) const;
+
  private:
   struct Candidate;
   [[nodiscard]] std::vector<Candidate> candidatesByCell(const TrackingFrame& current,
                                                         const Pose& T_map_cam,
                                                         const std::vector<LandmarkId>& candidates,
                                                         const SparseMap& map) const;
+  struct SeenPatch;
+  [[nodiscard]] std::optional<SeenPatch> patchSeenFrom(const Pose& T_map_cam,
+                                                       const Landmark& landmark, int levels,
+                                                       const SparseMap& map) const;
   [[nodiscard]] std::optional<TrackedLandmark> measureOne(const TrackingFrame& current,
                                                           const Pose& T_map_cam,
                                                           const Candidate& candidate,

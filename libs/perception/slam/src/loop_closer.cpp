@@ -208,61 +208,83 @@ bool LoopCloser::isNearExpected(KeyframeId keyframe, const SparseMap& map) const
   return T_expected_key.translation().norm() < kNear_m && T_expected_key(2, 2) > 0.0;
 }
 
-std::vector<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame, SparseMap& map) const {
+std::vector<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame, std::optional<int> turn,
+                                              const SparseMap& map) const {
   const auto points = describe(frame);
   if (expected_) {
     const auto is_near = [&](KeyframeId id) { return isNearExpected(id, map); };
-    auto located = mostEvident(frame, points, is_near, 2.0 * kNear_m, map);
-    if (located) return {std::move(*located)};
+    auto places =
+        placesAt(candidates(points, is_near, turn, map), frame, points, 2.0 * kNear_m, !turn, map);
+    if (!places.empty()) return places;
   }
   const auto isAnywhere = [](KeyframeId /*id*/) { return true; };
-  auto located = mostEvident(frame, points, isAnywhere, HUGE_VAL, map);
-  if (!located) return {};
-  std::set<LandmarkId> here;
-  for (const TrackedLandmark& landmark : located->tracked.landmarks) here.insert(landmark.id);
-  const auto isElsewhere = [&](KeyframeId id) {
-    const auto& seen = map.keyframe(id).landmarks;
-    return std::count_if(seen.begin(), seen.end(), [&](LandmarkId landmark) {
-             return here.count(landmark) > 0;
-           }) < params_.min_inliers / 2;
-  };
-  auto rival = mostEvident(frame, points, isElsewhere, HUGE_VAL, map);
-  std::vector<LocatedCamera> places{std::move(*located)};
-  if (!rival) return places;
-  const Pose T_here_rival =
-      places.front().tracked.T_map_cam.inverse(Eigen::Isometry) * rival->tracked.T_map_cam;
-  const bool is_another = T_here_rival.translation().norm() > 1.0 || T_here_rival(2, 2) < 0.9;
-  if (is_another) places.push_back(std::move(*rival));
-  return places;
+  return placesAt(candidates(points, isAnywhere, turn, map), frame, points, HUGE_VAL, !turn, map);
 }
 
 std::optional<LocatedCamera> LoopCloser::locateAt(const PlaceCheck::Place& place,
                                                   const TrackingFrame& frame,
-                                                  SparseMap& map) const {
+                                                  const SparseMap& map) const {
   if (map.keyframes().count(place.keyframe) == 0) return std::nullopt;
   return confirmed(place.T_map_cam, place.keyframe,
                    map.seenBy(map.neighbourhood(place.keyframe, params_.window)), frame, HUGE_VAL,
                    map);
 }
 
-/// The place of a few keyframes that are most alike with most evidence, or the first one proven.
-std::optional<LocatedCamera> LoopCloser::mostEvident(const TrackingFrame& frame,
-                                                     const std::vector<DescribedPoint>& points,
-                                                     const std::function<bool(KeyframeId)>& wanted,
-                                                     double within_m, SparseMap& map) const {
-  constexpr int kCandidates = 5;
-  std::optional<LocatedCamera> most;
-  for (const PlaceMatch& match : index_.query(descriptorsOf(points), kCandidates, wanted)) {
-    auto place = placeAt(match.keyframe, frame, points, within_m, map);
-    if (place && (!most || place->evidence.sum() > most->evidence.sum())) most = std::move(place);
-    if (most && most->evidence.sum() >= kPlaceProof) break;
+std::vector<KeyframeId> LoopCloser::candidates(const std::vector<DescribedPoint>& points,
+                                               const std::function<bool(KeyframeId)>& wanted,
+                                               std::optional<int> turn,
+                                               const SparseMap& map) const {
+  constexpr std::size_t kEach = 5;
+  const int all = std::numeric_limits<int>::max();
+  std::vector<KeyframeId> places;
+  std::set<LandmarkId> shown;
+  for (const PlaceMatch& match : index_.query(descriptorsOf(points), all, wanted)) {
+    if (places.size() == 4 * kEach) break;
+    const auto& seen = map.keyframe(match.keyframe).landmarks;
+    const auto again =
+        std::count_if(seen.begin(), seen.end(), [&](LandmarkId id) { return shown.count(id) > 0; });
+    if (2 * static_cast<std::size_t>(again) > seen.size()) continue;
+    places.push_back(match.keyframe);
+    shown.insert(seen.begin(), seen.end());
   }
-  return most;
+  if (!turn || places.size() <= kEach) return places;
+  const std::size_t turns = (places.size() + kEach - 1) / kEach;
+  const std::size_t first = static_cast<std::size_t>(*turn) % turns * kEach;
+  const std::size_t end = std::min(first + kEach, places.size());
+  return {places.begin() + static_cast<std::ptrdiff_t>(first),
+          places.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+std::vector<LocatedCamera> LoopCloser::placesAt(const std::vector<KeyframeId>& keyframes,
+                                                const TrackingFrame& frame,
+                                                const std::vector<DescribedPoint>& points,
+                                                double within_m, bool rivals,
+                                                const SparseMap& map) const {
+  std::vector<LocatedCamera> all;
+  for (const KeyframeId keyframe : keyframes) {
+    auto place = placeAt(keyframe, frame, points, within_m, map);
+    if (!place) continue;
+    all.push_back(std::move(*place));
+    if (!rivals && all.back().evidence.sum() >= kPlaceProof) break;
+  }
+  std::stable_sort(all.begin(), all.end(), [](const LocatedCamera& a, const LocatedCamera& b) {
+    return a.evidence.sum() > b.evidence.sum();
+  });
+  std::vector<LocatedCamera> places;
+  for (LocatedCamera& place : all) {
+    const auto isSame = [&place](const LocatedCamera& better) {
+      const Pose T_better_place =
+          better.tracked.T_map_cam.inverse(Eigen::Isometry) * place.tracked.T_map_cam;
+      return T_better_place.translation().norm() <= 1.0 && T_better_place(2, 2) >= 0.9;
+    };
+    if (std::none_of(places.begin(), places.end(), isSame)) places.push_back(std::move(place));
+  }
+  return places;
 }
 
 std::optional<LocatedCamera> LoopCloser::placeAt(KeyframeId keyframe, const TrackingFrame& frame,
                                                  const std::vector<DescribedPoint>& points,
-                                                 double within_m, SparseMap& map) const {
+                                                 double within_m, const SparseMap& map) const {
   const auto among = map.seenBy(map.neighbourhood(keyframe, params_.window));
   // Few matches suffice: the pose is verified by measuring patches from there.
   const auto initial = relocalise(points, among, map, camera_, params_.min_inliers / 3).T_map_cam;
@@ -273,11 +295,12 @@ std::optional<LocatedCamera> LoopCloser::placeAt(KeyframeId keyframe, const Trac
 std::optional<LocatedCamera> LoopCloser::confirmed(const Pose& T_map_cam, KeyframeId keyframe,
                                                    const std::vector<LandmarkId>& among,
                                                    const TrackingFrame& frame, double within_m,
-                                                   SparseMap& map) const {
-  auto tracked = tracker_.measureLocalMap(frame, T_map_cam, among, map, params_.min_inliers);
+                                                   const SparseMap& map) const {
+  // What is not found in a place that is only tried says nothing of the landmarks.
+  SparseMap tried = map.landmarksOnly(among);
+  auto tracked = tracker_.measureLocalMap(frame, T_map_cam, among, tried, params_.min_inliers);
   if (!tracked) return std::nullopt;
-  auto evidence = evidenceOf(*tracked, map.keyframe(keyframe).landmarks, frame, map, camera_,
-                             matcherFor(camera_, params_), within_m);
+  auto evidence = evidenceOf(*tracked, among, frame, map, camera_, params_, within_m);
   return LocatedCamera{std::move(*tracked), keyframe, std::move(evidence)};
 }
 
@@ -314,7 +337,6 @@ LoopCandidate LoopCloser::candidateOf(KeyframeId newest, KeyframeId old,
   candidate.T_map_newest = map.keyframe(newest).T_map_cam;
   candidate.T_map_old = map.keyframe(old).T_map_cam;
   candidate.among = map.seenBy(map.neighbourhood(old, params_.window));
-  candidate.expected = map.keyframe(old).landmarks;
   candidate.offset_allowed_m = allowedOffset(newest, old, map);
   candidate.unique_within_m = isNearExpected(old, map) ? 2.0 * kNear_m : HUGE_VAL;
   return candidate;
@@ -340,10 +362,11 @@ std::optional<ClosedLoop> LoopCloser::verify(const TrackingFrame& frame,
   attempt.outcome = LoopOutcome::kTooFarOff;
   if (attempt.offset_m > attempt.offset_allowed_m) return std::nullopt;
   attempt.outcome = LoopOutcome::kTooFewInliers;
+  // No other place is tried, which may be as much like it.
   const auto isProven = [&] {
-    return evidenceOf(*seen_from, candidate.expected, frame, map, camera_,
-                      matcherFor(camera_, params_), candidate.unique_within_m)
-               .sum() >= kPlaceProof;
+    return evidenceOf(*seen_from, candidate.among, frame, map, camera_, params_,
+                      candidate.unique_within_m)
+               .sum() >= 2 * kPlaceProof;
   };
   if (std::isinf(attempt.offset_allowed_m) && !isProven()) return std::nullopt;
   attempt.outcome = LoopOutcome::kClosed;

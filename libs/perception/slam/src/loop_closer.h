@@ -75,10 +75,9 @@ struct LoopCandidate {
   LoopAttempt attempt;
   Pose T_map_newest = Pose::Identity();  ///< camera
   Pose T_map_old = Pose::Identity();     ///< camera
-  std::vector<LandmarkId> among;     ///< landmarks of the old keyframe's surroundings, ascending
-  std::vector<LandmarkId> expected;  ///< those that the old keyframe itself sees
-  double offset_allowed_m = 0.0;     ///< maximum drift between both
-  double unique_within_m = 0.0;      ///< where landmarks must not repeat
+  std::vector<LandmarkId> among;  ///< landmarks of the old keyframe's surroundings, ascending
+  double offset_allowed_m = 0.0;  ///< maximum drift between both
+  double unique_within_m = 0.0;   ///< where landmarks must not repeat
 };
 
 /// Result of the background search that ended before a frame.
@@ -104,11 +103,14 @@ class LoopCloser {
   void index(KeyframeId keyframe, const SparseMap& map);
   void remove(KeyframeId keyframe) { index_.remove(keyframe); }
 
-  /// Where in the whole map a frame may have been taken, without a predicted pose: the place with
-  /// most evidence and, if there is one, the most evident elsewhere; PlaceCheck accepts one or
-  /// none.
+  /// Where in the whole map a frame may have been taken, without a predicted pose: places 1 m or
+  /// 26 degrees apart, the most evident first; PlaceCheck accepts one or none.
   ///
-  [[nodiscard]] std::vector<LocatedCamera> locate(const TrackingFrame& frame, SparseMap& map) const;
+  /// @param turn  tries a few keyframes only, those that are most alike in turn 0, others in the
+  ///              next ones, because what stands before the camera may be like any place
+  [[nodiscard]] std::vector<LocatedCamera> locate(const TrackingFrame& frame,
+                                                  std::optional<int> turn,
+                                                  const SparseMap& map) const;
 
   /// Where the camera is expected, by somebody who knows: keyframes near it that look the same way
   /// are tried first, others only if none of them fits.
@@ -118,7 +120,7 @@ class LoopCloser {
   /// may have left the map since.
   [[nodiscard]] std::optional<LocatedCamera> locateAt(const PlaceCheck::Place& place,
                                                       const TrackingFrame& frame,
-                                                      SparseMap& map) const;
+                                                      const SparseMap& map) const;
 
   /// Searches for a loop at a new keyframe and, where one is verified, corrects the whole map.
   ///
@@ -153,18 +155,26 @@ class LoopCloser {
   struct Search;
 
   [[nodiscard]] static std::vector<DescribedPoint> describe(const TrackingFrame& frame);
-  [[nodiscard]] std::optional<LocatedCamera> mostEvident(
-      const TrackingFrame& frame, const std::vector<DescribedPoint>& points,
-      const std::function<bool(KeyframeId)>& wanted, double within_m, SparseMap& map) const;
+  /// The keyframes that are most alike, each with a view of its own, or those of a turn.
+  [[nodiscard]] std::vector<KeyframeId> candidates(const std::vector<DescribedPoint>& points,
+                                                   const std::function<bool(KeyframeId)>& wanted,
+                                                   std::optional<int> turn,
+                                                   const SparseMap& map) const;
+  /// @param rivals  whether those are tried that come after one that is proven
+  [[nodiscard]] std::vector<LocatedCamera> placesAt(const std::vector<KeyframeId>& keyframes,
+                                                    const TrackingFrame& frame,
+                                                    const std::vector<DescribedPoint>& points,
+                                                    double within_m, bool rivals,
+                                                    const SparseMap& map) const;
   [[nodiscard]] std::optional<LocatedCamera> placeAt(KeyframeId keyframe,
                                                      const TrackingFrame& frame,
                                                      const std::vector<DescribedPoint>& points,
-                                                     double within_m, SparseMap& map) const;
+                                                     double within_m, const SparseMap& map) const;
   /// The landmarks around a keyframe as a frame measures them from a pose there.
   [[nodiscard]] std::optional<LocatedCamera> confirmed(const Pose& T_map_cam, KeyframeId keyframe,
                                                        const std::vector<LandmarkId>& among,
                                                        const TrackingFrame& frame, double within_m,
-                                                       SparseMap& map) const;
+                                                       const SparseMap& map) const;
   /// Old keyframes within drift distance of the newest one or of unknown distance, ascending.
   [[nodiscard]] std::vector<KeyframeId> findLoopCandidates(KeyframeId newest,
                                                            const SparseMap& map) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -16,13 +17,13 @@ constexpr double kMaxGap_s = 2.0;  ///< between two frames that show a place
 
 /// Landmarks of a place that the map has elsewhere, too: several of them are alike others that lie
 /// by one shift away.
-std::set<LandmarkId> repeated(const std::vector<TrackedLandmark>& place, const SparseMap& map,
+std::set<LandmarkId> repeated(const std::vector<LandmarkId>& place, const SparseMap& map,
                               double within_m) {
   constexpr double kHalfBin_m = 0.2;  // of shifts that are one; bins overlap by half
   constexpr std::size_t kAlike = 6;   // that chance does not bring
   std::vector<const Landmark*> here;
-  for (const TrackedLandmark& seen : place) {
-    const Landmark* landmark = map.find(seen.id);
+  for (const LandmarkId id : place) {
+    const Landmark* landmark = map.find(id);
     if (landmark != nullptr && landmark->descriptor != Descriptor{}) here.push_back(landmark);
   }
   std::map<std::array<int, 3>, std::set<LandmarkId>> alike_by_shift;
@@ -48,45 +49,94 @@ std::set<LandmarkId> repeated(const std::vector<TrackedLandmark>& place, const S
   return all;
 }
 
-}  // namespace
-
-PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& expected,
-                         const TrackingFrame& frame, const SparseMap& map,
-                         const StereoCamera& camera, const stereo::StereoMatcher& matcher,
-                         double within_m) {
-  constexpr double kNearer = 1.2;  ///< ratio of disparities, from which something stands before
-  const double cell_px = camera.width / 16.0;
-  const auto cellOf = [&](const Eigen::Vector2d& uv) {
-    const Eigen::Vector2i at = (uv / cell_px).cast<int>();
-    return std::pair(at.x(), at.y());
-  };
-  std::map<std::pair<int, int>, std::vector<LandmarkId>> unique, missed;
-  std::set<std::pair<int, int>> found, hidden;
-  const auto ambiguous = repeated(seen.landmarks, map, within_m);
-  for (const TrackedLandmark& landmark : seen.landmarks) {
-    const auto cell = cellOf(landmark.measurement.uv);
-    found.insert(cell);
-    if (ambiguous.count(landmark.id) == 0) unique[cell].push_back(landmark.id);
+/// Those of the landmarks that are seen by the keyframe which sees most of a place.
+std::vector<LandmarkId> seenByNearest(const std::vector<TrackedLandmark>& place,
+                                      const std::vector<LandmarkId>& landmarks,
+                                      const SparseMap& map) {
+  std::map<KeyframeId, int> shared;
+  for (const TrackedLandmark& seen : place) {
+    const Landmark* landmark = map.find(seen.id);
+    if (landmark == nullptr) continue;
+    for (const LandmarkObservation& by : landmark->observations) ++shared[by.keyframe];
   }
-  const Pose T_cam_map = seen.T_map_cam.inverse(Eigen::Isometry);
-  for (const LandmarkId id : expected) {
+  const auto nearest =
+      std::max_element(shared.begin(), shared.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<LandmarkId> expected;
+  for (const LandmarkId id : landmarks) {
     const Landmark* landmark = map.find(id);
     if (landmark == nullptr) continue;
-    const auto uvd = visibleAt(T_cam_map * landmark->position, frame, camera);
-    if (!uvd || found.count(cellOf(uvd->head<2>())) > 0) continue;
-    const auto disparity = matcher.search(frame.left, frame.right, uvd->head<2>());
-    if (!disparity) continue;
-    const bool is_hidden = *disparity > kNearer * uvd->z() + 1.0;
-    if (is_hidden) {
-      hidden.insert(cellOf(uvd->head<2>()));
-    } else {
-      missed[cellOf(uvd->head<2>())].push_back(id);
+    const auto isBy = [&](const LandmarkObservation& by) {
+      return nearest == shared.end() || by.keyframe == nearest->first;
+    };
+    const auto& observations = landmark->observations;
+    if (std::any_of(observations.begin(), observations.end(), isBy)) expected.push_back(id);
+  }
+  return expected;
+}
+
+/// A part of the image with the landmarks that ought to be seen in it.
+struct Cell {
+  std::set<LandmarkId> found;
+  std::vector<LandmarkId> missed;
+  bool is_hidden = false;  ///< in part, by something nearer
+};
+using Cells = std::map<std::pair<int, int>, Cell>;
+
+Cells cellsOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
+              const TrackingFrame& frame, const SparseMap& map, const StereoCamera& camera,
+              const SlamParams& params) {
+  constexpr double kNearer = 1.2;  ///< ratio of disparities, from which something stands before
+  const LandmarkTracker tracker(camera, params);
+  const auto matcher = matcherFor(camera, params);
+  const Pose T_cam_map = seen.T_map_cam.inverse(Eigen::Isometry);
+  Cells cells;
+  const auto cellAt = [&](const Eigen::Vector2d& uv) -> Cell& {
+    const Eigen::Vector2i at = (uv * 16.0 / camera.width).cast<int>();
+    return cells[{at.x(), at.y()}];
+  };
+  for (const TrackedLandmark& landmark : seen.landmarks) {
+    cellAt(landmark.measurement.uv).found.insert(landmark.id);
+  }
+  for (const LandmarkId id : seenByNearest(seen.landmarks, among, map)) {
+    const Landmark& landmark = *map.find(id);
+    const auto uvd = visibleAt(T_cam_map * landmark.position, frame, camera);
+    if (!uvd) continue;
+    Cell& cell = cellAt(uvd->head<2>());
+    if (cell.found.count(id) > 0) continue;
+    const auto is_found = tracker.isFoundAt(*uvd, landmark, frame, seen.T_map_cam, map);
+    if (!is_found) continue;
+    if (*is_found) {
+      cell.found.insert(id);
+    } else if (const auto disparity = matcher.search(frame.left, frame.right, uvd->head<2>())) {
+      const bool is_hidden = *disparity > kNearer * uvd->z() + 1.0;
+      if (is_hidden) cell.is_hidden = true;
+      if (!is_hidden) cell.missed.push_back(id);
     }
   }
+  return cells;
+}
+
+}  // namespace
+
+PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
+                         const TrackingFrame& frame, const SparseMap& map,
+                         const StereoCamera& camera, const SlamParams& params, double within_m) {
+  Cells cells = cellsOf(seen, among, frame, map, camera, params);
+  std::vector<LandmarkId> found;
+  for (const auto& [at, cell] : cells)
+    found.insert(found.end(), cell.found.begin(), cell.found.end());
+  const auto ambiguous = repeated(found, map, within_m);
   PlaceEvidence evidence;
-  for (auto& [cell, landmarks] : unique) evidence.found.push_back(std::move(landmarks));
-  for (auto& [cell, landmarks] : missed) {
-    if (hidden.count(cell) == 0) evidence.missed.push_back(std::move(landmarks));
+  for (auto& [at, cell] : cells) {
+    if (cell.found.size() > cell.missed.size()) {
+      std::vector<LandmarkId> unique;
+      std::set_difference(cell.found.begin(), cell.found.end(), ambiguous.begin(), ambiguous.end(),
+                          std::back_inserter(unique));
+      if (!unique.empty()) evidence.found.push_back(std::move(unique));
+    } else if (cell.found.size() < cell.missed.size() && !cell.is_hidden) {
+      evidence.missed.push_back(std::move(cell.missed));
+    }
   }
   return evidence;
 }
@@ -101,7 +151,7 @@ std::optional<PlaceCheck::Place> PlaceCheck::likeliest(Time time, const Pose& T_
   removeOld(time);
   const auto likeliest =
       std::max_element(seen_.begin(), seen_.end(),
-                       [](const Seen& a, const Seen& b) { return a.evidence < b.evidence; });
+                       [](const Seen& a, const Seen& b) { return a.evidence() < b.evidence(); });
   if (likeliest == seen_.end()) return std::nullopt;
   return Place{likeliest->T_map_odom * T_odom_cam, likeliest->keyframe};
 }
@@ -124,17 +174,15 @@ std::size_t PlaceCheck::addTo(Time time, const LocatedCamera& located, const Pos
   place->time = time;
   place->T_map_odom = T_map_cam * T_odom_cam.inverse(Eigen::Isometry);
   place->keyframe = located.keyframe;
-  const auto countNew = [&place](const std::vector<std::vector<LandmarkId>>& cells, int each) {
+  const auto countNew = [&place](const std::vector<std::vector<LandmarkId>>& cells, int& count) {
     for (const auto& cell : cells) {
       const auto isKnown = [&](LandmarkId id) { return place->counted.count(id) > 0; };
-      if (std::none_of(cell.begin(), cell.end(), isKnown)) place->evidence += each;
+      if (std::none_of(cell.begin(), cell.end(), isKnown)) ++count;
       place->counted.insert(cell.begin(), cell.end());
     }
   };
-  // Of places that are alike, four in ten cells that are found are missed, of the right one fewer
-  // than two, whatever stands before it.
-  countNew(located.evidence.found, 1);
-  countNew(located.evidence.missed, -2);
+  countNew(located.evidence.found, place->found);
+  countNew(located.evidence.missed, place->missed);
   return static_cast<std::size_t>(place - seen_.begin());
 }
 
@@ -147,12 +195,12 @@ const LocatedCamera* PlaceCheck::add(Time time, const std::vector<LocatedCamera>
     const Seen& place = seen_[seen_as[i]];
     int rival = 0;
     for (const Seen& other : seen_) {
-      if (&other != &place) rival = std::max(rival, other.evidence);
+      if (&other != &place) rival = std::max(rival, other.likeness());
     }
     // A place that another one is like half as much is a copy of it, seen from another side.
     const int needed = rival + std::max(kPlaceProof, rival);
     if (places[i].evidence.sum() >= needed ||
-        (place.evidence >= needed && time - place.since >= 0.199)) {
+        (place.evidence() >= needed && time - place.since >= 0.199)) {
       return &places[i];
     }
   }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <headway/core/stereo_camera.h>
-#include <headway/stereo/stereo_match.h>
+#include <headway/slam/slam_params.h>
 
 #include <optional>
 #include <set>
@@ -26,22 +26,24 @@ struct PlaceEvidence {
   }
 };
 
-/// A cell counts for a place where landmarks are found that the map has nowhere else, and against
-/// it where some ought to be seen, nothing nearer stands before them, and none is found: of a place
-/// that looks alike in part, the rest is missing, of a place behind people, nothing is. A floor or
-/// racks that come again say nothing of the place, even if the right one is not in the map.
+/// A cell counts for a place where most landmarks are found that ought to be seen and that nothing
+/// nearer stands before, and some that the map has nowhere else; against it where most are not, and
+/// nothing stands before any: of a place that looks alike, two thirds are missing, of a place
+/// behind people, few are. A floor or racks that come again say nothing of the place, even if the
+/// right one is not in the map.
 ///
 /// @param seen      the pose there with its landmarks
-/// @param expected  landmarks that are seen from there
+/// @param among     landmarks around: those are expected that the keyframe sees which sees most of
+///                  what is seen
 /// @param within_m  how far off the place may be, beyond which it may look the same [m]
 [[nodiscard]] PlaceEvidence evidenceOf(const TrackedPose& seen,
-                                       const std::vector<LandmarkId>& expected,
+                                       const std::vector<LandmarkId>& among,
                                        const TrackingFrame& frame, const SparseMap& map,
-                                       const StereoCamera& camera,
-                                       const stereo::StereoMatcher& matcher, double within_m);
+                                       const StereoCamera& camera, const SlamParams& params,
+                                       double within_m);
 
 /// Evidence that no wrong place gives: such a place is accepted at once.
-inline constexpr int kPlaceProof = 40;
+inline constexpr int kPlaceProof = 20;
 
 /// Where a frame may have been taken.
 struct LocatedCamera {
@@ -53,8 +55,8 @@ struct LocatedCamera {
 /// Accepts a pose to which no odometry leads: at once if the frame proves it, else when the same
 /// place was seen for 0.2 s, 2 s apart at most, each time where odometry has led since, and all
 /// frames together prove it. In their sum no landmark counts twice, because who stands and looks at
-/// the same part of a place learns nothing of the rest; what is missed counts double; and what any
-/// other place has in its own sum is taken off.
+/// the same part of a place learns nothing of the rest; what is missed counts double, but once in
+/// that of any other place, which is taken off.
 class PlaceCheck {
  public:
   struct Place {
@@ -79,8 +81,13 @@ class PlaceCheck {
     Time time = 0.0;   ///< last
     Pose T_map_odom = Pose::Identity();
     KeyframeId keyframe;
-    int evidence = 0;              ///< of all its frames
-    std::set<LandmarkId> counted;  ///< in it
+    int found = 0, missed = 0;     ///< cells, of all its frames
+    std::set<LandmarkId> counted;  ///< in them
+
+    // Of a place that is alike, more is missed than found, of the right one a third at most,
+    // whatever stands before it.
+    [[nodiscard]] int evidence() const { return found - 2 * missed; }
+    [[nodiscard]] int likeness() const { return found - missed; }
   };
   void removeOld(Time time);
   /// Adds a frame to the place that it shows; its index in seen_.

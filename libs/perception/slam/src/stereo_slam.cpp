@@ -235,15 +235,22 @@ class StereoSlam::Implementation {
     if (tracked && (lost_in_a_row_ == 0 || isLed(tracked->T_map_cam))) return found(tracked);
     const Pose T_odom_cam =
         motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
-    auto places = loops_.locate(current, map_);
+    auto places = loops_.locate(current, lost_in_a_row_, map_);
     if (const auto before = place_check_.likeliest(current.time, T_odom_cam)) {
       auto again = loops_.locateAt(*before, current, map_);
       if (again) places.push_back(std::move(*again));
     }
     if (places.empty()) return std::nullopt;
-    const LocatedCamera* located = isLed(places.front().tracked.T_map_cam)
-                                       ? &places.front()
-                                       : place_check_.add(current.time, places, T_odom_cam);
+    const LocatedCamera* located = &places.front();
+    if (!isLed(located->tracked.T_map_cam)) {
+      located = place_check_.add(current.time, places, T_odom_cam);
+      if (located == nullptr) return std::nullopt;
+      // Another place that looks alike may not have had its turn.
+      auto everywhere = loops_.locate(current, std::nullopt, map_);
+      everywhere.insert(everywhere.begin(), *located);
+      places = std::move(everywhere);
+      located = place_check_.add(current.time, places, T_odom_cam);
+    }
     if (located == nullptr) return std::nullopt;
     relocalised_ = true;
     setReferenceKeyframe(located->keyframe);
