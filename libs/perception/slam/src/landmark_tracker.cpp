@@ -225,6 +225,20 @@ std::optional<LandmarkTracker::SeenPatch> LandmarkTracker::patchSeenFrom(
   return SeenPatch{*patch, level, stretch * to_reference};
 }
 
+/// Where a patch is in a frame, in pixels of its level, no farther off than that.
+std::optional<Eigen::Vector2d> LandmarkTracker::findNear(const Eigen::Vector3d& uvd,
+                                                         double max_shift_px, const SeenPatch& seen,
+                                                         const TrackingFrame& current) const {
+  const Eigen::Vector2d expected = uvd.head<2>() / (1 << seen.level);
+  const auto found = stereo::align(seen.patch, current.left.levels[seen.level], expected,
+                                   stereo::AlignmentAxes::kBoth);
+  if (!found || !found->converged || found->zncc < params_.min_zncc ||
+      (found->uv - expected).norm() > max_shift_px) {
+    return std::nullopt;
+  }
+  return found->uv;
+}
+
 std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& current,
                                                            const Pose& T_map_cam,
                                                            const Candidate& candidate,
@@ -232,20 +246,14 @@ std::optional<TrackedLandmark> LandmarkTracker::measureOne(const TrackingFrame& 
   constexpr double kMaxShift = 8.0;  ///< from where it should be, at the level searched [px]
   const auto seen = patchSeenFrom(T_map_cam, *candidate.landmark, current.left.count(), map);
   if (!seen) return std::nullopt;
-  const double scale = 1 << seen->level;
-  const Eigen::Vector2d expected = candidate.uvd.head<2>() / scale;
-  const auto found = stereo::align(seen->patch, current.left.levels[seen->level], expected,
-                                   stereo::AlignmentAxes::kBoth);
-  if (!found || !found->converged || found->zncc < params_.min_zncc ||
-      (found->uv - expected).norm() > kMaxShift) {
-    return std::nullopt;
-  }
+  const auto found = findNear(candidate.uvd, kMaxShift, *seen, current);
+  if (!found) return std::nullopt;
   TrackedLandmark result;
   result.id = candidate.landmark->id;
   result.level = seen->level;
   result.patch_scale = seen->scale;
   result.measurement =
-      stereoMeasurement(current, scale * found->uv, candidate.uvd.z(), seen->level);
+      stereoMeasurement(current, (1 << seen->level) * *found, candidate.uvd.z(), seen->level);
   return result;
 }
 
@@ -254,11 +262,7 @@ std::optional<bool> LandmarkTracker::isFoundAt(const Eigen::Vector3d& uvd, const
                                                const SparseMap& map) const {
   const auto seen = patchSeenFrom(T_map_cam, landmark, current.left.count(), map);
   if (!seen) return std::nullopt;
-  const Eigen::Vector2d expected = uvd.head<2>() / (1 << seen->level);
-  const auto found = stereo::align(seen->patch, current.left.levels[seen->level], expected,
-                                   stereo::AlignmentAxes::kBoth);
-  return found && found->converged && found->zncc >= params_.min_zncc &&
-         (found->uv - expected).norm() <= 2.0;
+  return findNear(uvd, 2.0, *seen, current).has_value();
 }
 
 /// The measurement of a landmark found in the left image, with its disparity where it matches.

@@ -132,6 +132,9 @@ class LandmarkTracker {
   [[nodiscard]] std::optional<SeenPatch> patchSeenFrom(const Pose& T_map_cam,
                                                        const Landmark& landmark, int levels,
                                                        const SparseMap& map) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> findNear(const Eigen::Vector3d& uvd,
+                                                        double max_shift_px, const SeenPatch& seen,
+                                                        const TrackingFrame& current) const;
   [[nodiscard]] std::optional<TrackedLandmark> measureOne(const TrackingFrame& current,
                                                           const Pose& T_map_cam,
                                                           const Candidate& candidate,

@@ -213,12 +213,11 @@ std::vector<LocatedCamera> LoopCloser::locate(const TrackingFrame& frame, std::o
   const auto points = describe(frame);
   if (expected_) {
     const auto is_near = [&](KeyframeId id) { return isNearExpected(id, map); };
-    auto places =
-        placesAt(candidates(points, is_near, turn, map), frame, points, 2.0 * kNear_m, !turn, map);
+    auto places = placesAmong(is_near, turn, frame, points, 2.0 * kNear_m, map);
     if (!places.empty()) return places;
   }
   const auto isAnywhere = [](KeyframeId /*id*/) { return true; };
-  return placesAt(candidates(points, isAnywhere, turn, map), frame, points, HUGE_VAL, !turn, map);
+  return placesAmong(isAnywhere, turn, frame, points, HUGE_VAL, map);
 }
 
 std::optional<LocatedCamera> LoopCloser::locateAt(const PlaceCheck::Place& place,
@@ -255,17 +254,17 @@ std::vector<KeyframeId> LoopCloser::candidates(const std::vector<DescribedPoint>
           places.begin() + static_cast<std::ptrdiff_t>(end)};
 }
 
-std::vector<LocatedCamera> LoopCloser::placesAt(const std::vector<KeyframeId>& keyframes,
-                                                const TrackingFrame& frame,
-                                                const std::vector<DescribedPoint>& points,
-                                                double within_m, bool rivals,
-                                                const SparseMap& map) const {
+std::vector<LocatedCamera> LoopCloser::placesAmong(const std::function<bool(KeyframeId)>& wanted,
+                                                   std::optional<int> turn,
+                                                   const TrackingFrame& frame,
+                                                   const std::vector<DescribedPoint>& points,
+                                                   double within_m, const SparseMap& map) const {
   std::vector<LocatedCamera> all;
-  for (const KeyframeId keyframe : keyframes) {
+  for (const KeyframeId keyframe : candidates(points, wanted, turn, map)) {
     auto place = placeAt(keyframe, frame, points, within_m, map);
     if (!place) continue;
     all.push_back(std::move(*place));
-    if (!rivals && all.back().evidence.sum() >= kPlaceProof) break;
+    if (turn && all.back().evidence.sum() >= kPlaceProof) break;
   }
   std::stable_sort(all.begin(), all.end(), [](const LocatedCamera& a, const LocatedCamera& b) {
     return a.evidence.sum() > b.evidence.sum();

@@ -160,12 +160,11 @@ class LoopCloser {
                                                    const std::function<bool(KeyframeId)>& wanted,
                                                    std::optional<int> turn,
                                                    const SparseMap& map) const;
-  /// @param rivals  whether those are tried that come after one that is proven
-  [[nodiscard]] std::vector<LocatedCamera> placesAt(const std::vector<KeyframeId>& keyframes,
-                                                    const TrackingFrame& frame,
-                                                    const std::vector<DescribedPoint>& points,
-                                                    double within_m, bool rivals,
-                                                    const SparseMap& map) const;
+  /// As locate(), by some keyframes; the first that is proven ends a turn.
+  [[nodiscard]] std::vector<LocatedCamera> placesAmong(
+      const std::function<bool(KeyframeId)>& wanted, std::optional<int> turn,
+      const TrackingFrame& frame, const std::vector<DescribedPoint>& points, double within_m,
+      const SparseMap& map) const;
   [[nodiscard]] std::optional<LocatedCamera> placeAt(KeyframeId keyframe,
                                                      const TrackingFrame& frame,
                                                      const std::vector<DescribedPoint>& points,

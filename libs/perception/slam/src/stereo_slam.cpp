@@ -246,9 +246,9 @@ class StereoSlam::Implementation {
       located = place_check_.add(current.time, places, T_odom_cam);
       if (located == nullptr) return std::nullopt;
       // Another place that looks alike may not have had its turn.
-      auto everywhere = loops_.locate(current, std::nullopt, map_);
-      everywhere.insert(everywhere.begin(), *located);
-      places = std::move(everywhere);
+      const LocatedCamera first = *located;
+      places = loops_.locate(current, std::nullopt, map_);
+      places.insert(places.begin(), first);
       located = place_check_.add(current.time, places, T_odom_cam);
     }
     if (located == nullptr) return std::nullopt;
