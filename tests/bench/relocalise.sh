@@ -72,9 +72,14 @@ for line in open(sys.argv[1]):
     if not (match := re.match(r"(\S+?)( \(another world\))?: (\d+) of (\d+) found, (\d+) of them wrong", line)):
         continue
     found, places, elsewhere = (int(match[i]) for i in (3, 4, 5))
-    if match[2] or not is_mapped:
+    if match[2]:
         tried += places
         wrong += found
+        continue
+    if not is_mapped:
+        # Where the tour comes back, a start is found rightly.
+        tried += places - (found - elsewhere)
+        wrong += elsewhere
         continue
     wrong += elsewhere
     if change := re.search(r"-\d+-([a-z]\S+)\.rawlog$", match[1]):

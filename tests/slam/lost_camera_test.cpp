@@ -38,11 +38,7 @@ class LostCameraTest : public testing::Test {
   /// Sees nothing for some frames; how many of them were lost.
   int cover(int frames) {
     int lost = 0;
-    for (int i = 0; i < frames; ++i) {
-      StereoFrame frame;
-      frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
-      lost += isLostIn(frame);
-    }
+    for (int i = 0; i < frames; ++i) lost += isLostIn(world_.covered());
     return lost;
   }
 
@@ -56,8 +52,7 @@ class LostCameraTest : public testing::Test {
   SlamUpdate walkCovered(int first_place, int end) {
     SlamUpdate update;
     for (int place = first_place; place < end; ++place) {
-      StereoFrame frame;
-      frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
+      StereoFrame frame = world_.covered();
       addOdometry(place, frame);
       update = processed(frame);
       EXPECT_EQ(update.status, TrackingStatus::kLost);
@@ -214,9 +209,7 @@ TEST_F(LostCameraTest, StatesAnUncertaintyThatCoversATurnUnseen) {
   Pose pose = onPath(14);
   for (int i = 1; i <= 3; ++i) {
     pose.linear() = pose.linear() * expSo3({0.0, 0.0, 0.157});  // 90 degrees a second, at 10 Hz
-    StereoFrame frame;
-    frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
-    const auto update = processed(frame);
+    const auto update = processed(world_.covered());
     ASSERT_EQ(update.status, TrackingStatus::kLost);
     const Pose error = pose.inverse(Eigen::Isometry) * update.T_map_robot;
     EXPECT_LT(logSo3(error.linear()).norm(), 3.0 * std::sqrt(update.covariance(5, 5))) << i;

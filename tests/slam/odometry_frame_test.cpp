@@ -34,12 +34,6 @@ class OdometryFrameTest : public testing::Test {
 
   [[nodiscard]] StereoFrame frameAt(Time time) const { return world_.frame(0, time, onPath(time)); }
 
-  [[nodiscard]] static StereoFrame covered() {
-    StereoFrame frame;
-    frame.left = frame.right = cv::Mat(240, 320, CV_8U, cv::Scalar(9));
-    return frame;
-  }
-
   StereoSlam& slam() {
     if (slam_ == nullptr) slam_ = std::make_unique<StereoSlam>(world_.camera(), params_);
     return *slam_;
@@ -189,7 +183,7 @@ TEST_F(OdometryFrameTest, MapsThatAreJoinedMoveTheMapAlone) {
 
 TEST_F(OdometryFrameTest, RelocalisationMovesTheMapAlone) {
   walk(0, 15);
-  for (int i = 15; i < 35; ++i) process(0.1 * i, covered());
+  for (int i = 15; i < 35; ++i) process(0.1 * i, world_.covered());
   walk(35, 40);
   EXPECT_EQ(updates_.back().status, TrackingStatus::kTracked);
   EXPECT_EQ(updates_[35].revision.cause, MapChange::kRelocalised);
@@ -215,7 +209,7 @@ TEST_F(OdometryFrameTest, LateAdjustmentsMoveTheMapAlone) {
 
 TEST_F(OdometryFrameTest, OfALostCameraItSlowsDownToAStopWithinASecond) {
   walk(0, 15);
-  for (int i = 15; i < 40; ++i) process(0.1 * i, covered());
+  for (int i = 15; i < 40; ++i) process(0.1 * i, world_.covered());
   EXPECT_GT(step(updates_, 15).translation().norm(), 0.03) << "it moves on at first";
   for (std::size_t i = 16; i < 40; ++i) {
     EXPECT_LE(step(updates_, i).translation().norm(), step(updates_, i - 1).translation().norm());
@@ -228,7 +222,7 @@ TEST_F(OdometryFrameTest, OfALostCameraItSlowsDownToAStopWithinASecond) {
 TEST_F(OdometryFrameTest, OfALostCameraItGoesOnByTheWheels) {
   walk(0, 15);
   for (int i = 15; i < 60; ++i) {
-    StereoFrame frame = covered();
+    StereoFrame frame = world_.covered();
     frame.motion_prior.T_previous_current = onPath(0.1 * (i - 1)).inverse() * onPath(0.1 * i);
     process(0.1 * i, frame);
     EXPECT_EQ(updates_.back().status, TrackingStatus::kLost);
@@ -240,7 +234,7 @@ TEST_F(OdometryFrameTest, OfALostCameraItGoesOnByTheWheels) {
 TEST_F(OdometryFrameTest, IsNoFasterThanARobotWhateverTheWheelsSay) {
   params_.max_speed_mps = 2.0;
   walk(0, 10);
-  StereoFrame frame = covered();
+  StereoFrame frame = world_.covered();
   frame.motion_prior.T_previous_current = Pose(Eigen::Translation3d(40.0, 0.0, 0.0));
   process(1.0, frame);
   EXPECT_LE(step(updates_, 10).translation().norm(), 0.2 + 1e-9);
@@ -251,7 +245,8 @@ TEST_F(OdometryFrameTest, TheUncertaintyOfALostCameraGrowsWithTimeNotWithFrames)
     walk(0, 10);
     const double tracked = updates_.back().covariance(0, 0);
     const double before = updates_.back().map_odom_covariance(0, 0);
-    for (int i = 1; i <= 2 * rate; ++i) process(0.9 + static_cast<double>(i) / rate, covered());
+    for (int i = 1; i <= 2 * rate; ++i)
+      process(0.9 + static_cast<double>(i) / rate, world_.covered());
     EXPECT_GT(updates_.back().covariance(0, 0), 2.0 * tracked);
     EXPECT_GT(updates_.back().map_odom_covariance(0, 0), before);
     const double lost = take().back().covariance(0, 0);

@@ -246,5 +246,24 @@ TEST(RepeatedWallTest, OfTwoPlacesThatAreAlikeNeitherIsAccepted) {
   EXPECT_THAT(trackedInMapTo(kRepeated_m + 3.0, {1.0, 1.5, 2.5}), ElementsAre(0, 0, 0));
 }
 
+TEST(StandsOnGroundTest, NoPlaceIsAShelfTooHigh) {
+  SparseMap map;
+  map.addKeyframe(0, 0.0, Pose::Identity());
+  const Eigen::Vector3d up = -Eigen::Vector3d::UnitY();
+  const auto stands = [&](double ahead_m, double up_m, double pitch_rad) {
+    Pose place = Pose::Identity();
+    place.translation() = ahead_m * Eigen::Vector3d::UnitZ() + up_m * up;
+    place.linear() = Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    return standsOnGround(place, up, map);
+  };
+  EXPECT_TRUE(stands(0.0, 0.0, 0.0));
+  EXPECT_TRUE(stands(0.0, 0.09, 0.0)) << "a kerb";
+  EXPECT_FALSE(stands(0.0, 0.8, 0.0));
+  EXPECT_FALSE(stands(0.0, -0.8, 0.0));
+  EXPECT_FALSE(stands(6.0, 0.84, 0.0)) << "as seen in identical racks from the next aisle";
+  EXPECT_TRUE(stands(6.0, 0.6, 0.1)) << "on a ramp that begins between both";
+  EXPECT_TRUE(stands(6.0, 0.0, 0.1));
+}
+
 }  // namespace
 }  // namespace headway::slam

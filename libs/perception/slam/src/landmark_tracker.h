@@ -42,7 +42,12 @@ struct TrackingFrame {
   cv::Mat excluded;  ///< 8-bit, non-zero where nothing may be measured; may be empty
   cv::Mat suspect;   ///< 8-bit, non-zero where landmarks must be verified first; may be empty
   FeatureGrid grid;  ///< about params.features cells outside of the excluded regions
+  /// Away from the ground in view, camera frame; known where the camera is lost and stands on it.
+  std::optional<Eigen::Vector3d> up;
 };
+
+/// Of the ground, that a robot may stand above or below where it is thought to [m].
+inline constexpr double kStep_m = 0.1;
 
 /// Pyramids of both images, contrast-stretched in poor light, and the masks.
 ///

@@ -299,6 +299,7 @@ std::optional<LocatedCamera> LoopCloser::confirmed(const Pose& T_map_cam, Keyfra
   SparseMap tried = map.landmarksOnly(among);
   auto tracked = tracker_.measureLocalMap(frame, T_map_cam, among, tried, params_.min_inliers);
   if (!tracked) return std::nullopt;
+  if (frame.up && !standsOnGround(tracked->T_map_cam, *frame.up, map)) return std::nullopt;
   auto evidence = evidenceOf(*tracked, among, frame, map, camera_, params_, within_m);
   return LocatedCamera{std::move(*tracked), keyframe, std::move(evidence)};
 }

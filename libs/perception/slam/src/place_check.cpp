@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
@@ -118,6 +119,21 @@ Cells cellsOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
 }
 
 }  // namespace
+
+bool standsOnGround(const Pose& T_map_cam, const Eigen::Vector3d& up, const SparseMap& map) {
+  constexpr double kUneven = 0.05;  ///< slope of ground that seems level [rad]
+  const auto distance = [&](const auto& keyframe) {
+    return (keyframe.second.T_map_cam.translation() - T_map_cam.translation()).norm();
+  };
+  const auto& keyframes = map.keyframes();
+  const auto nearest =
+      std::min_element(keyframes.begin(), keyframes.end(),
+                       [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  const Pose T_key_cam = nearest->second.T_map_cam.inverse(Eigen::Isometry) * T_map_cam;
+  const double slope = kUneven + std::acos(std::clamp(up.dot(T_key_cam.linear() * up), -1.0, 1.0));
+  return std::abs(up.dot(T_key_cam.translation())) <=
+         kStep_m + slope * T_key_cam.translation().norm();
+}
 
 PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
                          const TrackingFrame& frame, const SparseMap& map,

@@ -26,6 +26,15 @@ struct PlaceEvidence {
   }
 };
 
+/// Whether a camera that rides as high over the ground as ever can have got from the nearest
+/// keyframe to a place, on ground that tilts between both as it does at them: racks look the same
+/// one shelf higher up.
+///
+/// @param up   away from the ground, camera frame
+/// @param map  with a keyframe, at least
+[[nodiscard]] bool standsOnGround(const Pose& T_map_cam, const Eigen::Vector3d& up,
+                                  const SparseMap& map);
+
 /// A cell counts for a place where most landmarks are found that ought to be seen and that nothing
 /// nearer stands before, and some that the map has nowhere else; against it where most are not, and
 /// nothing stands before any: of a place that looks alike, two thirds are missing, of a place

@@ -25,7 +25,7 @@
 #include "loop_closer.h"
 #include "map_archive.h"
 #include "motion_model.h"
-#include "place_check.h"
+#include "relocaliser.h"
 #include "right_image_check.h"
 #include "sparse_map.h"
 #include "visual_odometry.h"
@@ -187,8 +187,7 @@ class StereoSlam::Implementation {
   }
 
   void setInitialPose(const Pose& T_map_robot) {
-    expected_ = T_map_robot * camera_->T_robot_cam;
-    T_odom_expected_.reset();
+    relocaliser_.expect(T_map_robot * camera_->T_robot_cam);
   }
 
   [[nodiscard]] MapView map() { return views_.make(map_, submap()); }
@@ -200,11 +199,11 @@ class StereoSlam::Implementation {
 
  private:
   /// Tracks from the last pose, or else relocalises in the whole map.
-  std::optional<TrackedPose> track(const stereo::FrameContext& context,
-                                   const TrackingFrame& current, const MovingRegions& moving) {
+  std::optional<TrackedPose> track(const stereo::FrameContext& context, TrackingFrame& current,
+                                   const MovingRegions& moving) {
     relocalised_ = false;
     if (!reference_) initialiseMotion(context);
-    moveExpected();
+    relocaliser_.moveExpected(motion_in_odom_.last());
     std::optional<Pose> proposed;
     auto step = visual_odometry_.propose(current, predictedStep(context.frame()));
     if (map_.keyframes().empty()) return std::nullopt;
@@ -235,43 +234,28 @@ class StereoSlam::Implementation {
     if (tracked && (lost_in_a_row_ == 0 || isLed(tracked->T_map_cam))) return found(tracked);
     const Pose T_odom_cam =
         motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
-    auto places = loops_.locate(current, lost_in_a_row_, map_);
-    if (const auto before = place_check_.likeliest(current.time, T_odom_cam)) {
-      auto again = loops_.locateAt(*before, current, map_);
-      if (again) places.push_back(std::move(*again));
-    }
-    if (places.empty()) return std::nullopt;
-    const LocatedCamera* located = &places.front();
-    if (!isLed(located->tracked.T_map_cam)) {
-      located = place_check_.add(current.time, places, T_odom_cam);
-      if (located == nullptr) return std::nullopt;
-      // Another place that looks alike may not have had its turn.
-      const LocatedCamera first = *located;
-      places = loops_.locate(current, std::nullopt, map_);
-      places.insert(places.begin(), first);
-      located = place_check_.add(current.time, places, T_odom_cam);
-    }
-    if (located == nullptr) return std::nullopt;
+    current.up = upWhereItStands(context);
+    auto located = relocaliser_.locate(current, lost_in_a_row_, T_odom_cam, isLed, map_);
+    if (!located) return std::nullopt;
     relocalised_ = true;
     setReferenceKeyframe(located->keyframe);
     active_submap_.relocaliseAt(located->keyframe);
-    return found(located->tracked);
+    return found(std::move(located->tracked));
   }
 
-  /// Odometry moves on where the camera was said to be.
-  void moveExpected() {
-    if (!expected_) return loops_.expect(std::nullopt);
-    const Pose& T_odom_cam = motion_in_odom_.last();
-    if (!T_odom_expected_) T_odom_expected_ = T_odom_cam;
-    loops_.expect(*expected_ * T_odom_expected_->inverse(Eigen::Isometry) * T_odom_cam);
-  }
-
-  /// The camera need not be searched for any longer; in a submap of its own, its place in the map
-  /// still is.
   std::optional<TrackedPose> found(std::optional<TrackedPose> tracked) {
-    place_check_.restart();
-    if (submap() == 0) expected_.reset();
+    relocaliser_.end(submap() == 0);
     return tracked;
+  }
+
+  /// Direction away from the ground, camera frame, if the robot stands on the ground in view.
+  [[nodiscard]] std::optional<Eigen::Vector3d> upWhereItStands(
+      const stereo::FrameContext& context) const {
+    const auto& ground = context.ground();
+    if (!ground) return std::nullopt;
+    const double height = camera_->T_robot_cam.translation().z();
+    return std::abs(ground->camera_height - height) <= kStep_m ? std::optional(ground->up)
+                                                               : std::nullopt;
   }
 
   /// Whether a lost camera is found where odometry leads, which is known well enough that no place
@@ -673,6 +657,7 @@ class StereoSlam::Implementation {
   BundleAdjuster adjuster_;
   LocalMapper mapper_;
   LoopCloser loops_;
+  Relocaliser relocaliser_{loops_};
   MotionModel motion_;
   VisualOdometry visual_odometry_;
   MotionModel motion_in_odom_;
@@ -700,10 +685,7 @@ class StereoSlam::Implementation {
   Time last_tracked_ = 0.0;        ///< time of that frame [s]
   bool turns_known_ = false;       ///< by the gyroscope, in every frame since then
   ActiveSubmap active_submap_;
-  PlaceCheck place_check_;
   RightImageCheck right_image_;
-  std::optional<Pose> expected_;  ///< of the camera when that was said, until it is found there
-  std::optional<Pose> T_odom_expected_;  ///< the camera in that frame
   int lost_in_a_row_ = 0;
   double lost_s_ = 0.0;  ///< in these frames
   FrameRate rate_;

@@ -61,6 +61,14 @@ class TexturedWorld {
 
   [[nodiscard]] std::shared_ptr<const StereoCamera> camera() const { return camera_; }
 
+  /// A frame of the covered camera.
+  [[nodiscard]] StereoFrame covered() const {
+    StereoFrame frame;
+    frame.left = frame.right = cv::Mat(camera_->height, camera_->width, CV_8U, cv::Scalar(9));
+    frame.camera = camera_;
+    return frame;
+  }
+
   /// The pair that a robot sees from a pose.
   [[nodiscard]] StereoFrame frame(std::size_t index, Time time, const Pose& T_map_robot) const {
     StereoFrame result;
