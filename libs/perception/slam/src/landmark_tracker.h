@@ -46,9 +46,6 @@ struct TrackingFrame {
   std::optional<Eigen::Vector3d> up;
 };
 
-/// Of the ground, that a robot may stand above or below where it is thought to [m].
-inline constexpr double kStep_m = 0.1;
-
 /// Pyramids of both images, contrast-stretched in poor light, and the masks.
 ///
 /// @throws InputError if an image is not 8-bit grey and of the camera's size, or the regions' mask

@@ -121,7 +121,6 @@ Cells cellsOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
 }  // namespace
 
 bool standsOnGround(const Pose& T_map_cam, const Eigen::Vector3d& up, const SparseMap& map) {
-  constexpr double kUneven = 0.05;  ///< slope of ground that seems level [rad]
   const auto distance = [&](const auto& keyframe) {
     return (keyframe.second.T_map_cam.translation() - T_map_cam.translation()).norm();
   };
@@ -130,9 +129,10 @@ bool standsOnGround(const Pose& T_map_cam, const Eigen::Vector3d& up, const Spar
       std::min_element(keyframes.begin(), keyframes.end(),
                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
   const Pose T_key_cam = nearest->second.T_map_cam.inverse(Eigen::Isometry) * T_map_cam;
-  const double slope = kUneven + std::acos(std::clamp(up.dot(T_key_cam.linear() * up), -1.0, 1.0));
-  return std::abs(up.dot(T_key_cam.translation())) <=
-         kStep_m + slope * T_key_cam.translation().norm();
+  const double tilt = std::acos(std::clamp(up.dot(T_key_cam.linear() * up), -1.0, 1.0));
+  // A kerb, and ground that seems level.
+  const double most = 0.1 + (0.05 + tilt) * T_key_cam.translation().norm();
+  return std::abs(up.dot(T_key_cam.translation())) <= most;
 }
 
 PlaceEvidence evidenceOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,

@@ -254,8 +254,8 @@ class StereoSlam::Implementation {
     const auto& ground = context.ground();
     if (!ground) return std::nullopt;
     const double height = camera_->T_robot_cam.translation().z();
-    return std::abs(ground->camera_height - height) <= kStep_m ? std::optional(ground->up)
-                                                               : std::nullopt;
+    const bool stands = std::abs(ground->camera_height - height) <= ground->clearance_m;
+    return stands ? std::optional(ground->up) : std::nullopt;
   }
 
   /// Whether a lost camera is found where odometry leads, which is known well enough that no place
