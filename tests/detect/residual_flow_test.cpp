@@ -9,6 +9,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "point_follower.h"
 #include "upright_segments.h"
 
 namespace headway::detect {
@@ -113,6 +114,63 @@ TEST(ResidualFlowTest, DoesNotTakeBrightnessForMotion) {
   const Look look({kWall, kWalker}, 0.75);
   const double depth = look.street.placeInCamera(kWalker, 1).z();
   EXPECT_NEAR(median(look.flowsOn(kWalker)), 340.0 * 0.13 / depth, 0.4);
+}
+
+/// Cells of a wall within `reach` of something nearer by a half.
+std::vector<cv::Point> besideNearer(const stereo::DisparityImage& disparity, int reach) {
+  std::vector<cv::Point> cells;
+  const cv::Mat& d = disparity.values;
+  for (int row = 0; row < d.rows; ++row) {
+    for (int column = reach; column + reach < d.cols; ++column) {
+      const float own = d.at<float>(row, column);
+      const float nearest =
+          std::max(d.at<float>(row, column - reach), d.at<float>(row, column + reach));
+      if (own > 0.0F && nearest > 1.5F * own) cells.emplace_back(column, row);
+    }
+  }
+  return cells;
+}
+
+const PaintedBox kFarWall{{0.0, 1.6, 15.0}, 9.0, 2.6, {0.0, 0.0, 0.0}, 31};
+
+TEST(ResidualFlowTest, IsUnknownBesideSomethingNearer) {
+  const Look look({kFarWall, kWalker});
+  const auto cells = besideNearer(look.disparity, 2);
+  ASSERT_GT(cells.size(), 50u);
+  for (const cv::Point& cell : cells) ASSERT_TRUE(std::isnan(look.flow.columns.at<float>(cell)));
+  EXPECT_GT(look.flowsOn(kWalker).size(), 40u) << "on what is nearer it is known";
+}
+
+TEST(PointFollowerTest, FollowsNothingBesideSomethingNearer) {
+  const PaintedStreet street({kFarWall, kWalker});
+  CameraPath path(*street.camera(), 0.5);
+  PointFollower follower(*street.camera(), {});
+  stereo::DisparityImage disparity;
+  for (int i = 0; i < 4; ++i) {
+    const StereoFrame frame = street.frame(i);
+    const stereo::FrameContext context(frame);
+    disparity = context.disparity();
+    const int number =
+        path.advance(frame.time, street.T_map_robot(i) * street.camera()->T_robot_cam);
+    follower.follow(context, disparity, path);
+    follower.replenish(frame, disparity, std::nullopt, number);
+  }
+  const double of_walker = project(street.placeInCamera(kWalker, 3), *street.camera())->z();
+  cv::Mat walker = disparity.values > 0.8 * of_walker;
+  cv::dilate(walker, walker, cv::getStructuringElement(cv::MORPH_RECT, {7, 7}));
+  int on_walker = 0, on_wall = 0, beside = 0;
+  for (const PointTrack& point : follower.points()) {
+    const Eigen::Vector3d& uvd = point.observations.back().uvd;
+    const cv::Point cell(disparity.cellOf(uvd.x()), disparity.cellOf(uvd.y()));
+    if (uvd.z() > 0.8 * of_walker) {
+      ++on_walker;
+    } else if (1.5 * uvd.z() < of_walker) {
+      ++(walker.at<unsigned char>(cell) != 0 ? beside : on_wall);
+    }
+  }
+  EXPECT_GT(on_walker, 10);
+  EXPECT_GT(on_wall, 50);
+  EXPECT_EQ(beside, 0);
 }
 
 /// A textured image on the disparity grid, and an object in front of it.

@@ -167,7 +167,23 @@ void PointFollower::fitMotions(const CameraPath& path) {
 std::vector<std::optional<double>> PointFollower::disparitiesOf(
     const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
     const stereo::DisparityImage& disparity) const {
-  if (right_.isDepth()) return givenDisparities(positions);
+  auto result =
+      right_.isDepth() ? givenDisparities(positions) : matched(positions, predicted, disparity);
+  stereo::DisparityImage nearest = disparity;
+  // Half a window at full resolution, and at half of it.
+  const int reach_px = stereo::PointTrackingOptions().window_px - 1;
+  nearest.values = stereo::nearestAround(disparity.values, reach_px / disparity.reduce);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!result[i]) continue;
+    const double around = nearest.at(positions[i]->x(), positions[i]->y());
+    if (around > stereo::nearerThan(*result[i])) result[i].reset();
+  }
+  return result;
+}
+
+std::vector<std::optional<double>> PointFollower::matched(
+    const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
+    const stereo::DisparityImage& disparity) const {
   std::vector<std::size_t> indices;
   std::vector<Eigen::Vector2d> left;
   std::vector<Eigen::Vector2d> right;

@@ -87,11 +87,17 @@ class PointFollower {
   [[nodiscard]] Eigen::Vector3d expectedAt(const PointTrack& point, const CameraPath& path) const;
   void keepFound(const std::vector<stereo::TrackedPosition>& positions,
                  const std::vector<std::optional<double>>& disparities, const CameraPath& path);
+  /// None beside something nearer.
+  ///
   /// @param predicted  disparities, used where there is no dense one
   [[nodiscard]] std::vector<std::optional<double>> disparitiesOf(
       const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
       const stereo::DisparityImage& disparity) const;
-  /// The same of a depth camera.
+  /// Of a stereo pair.
+  [[nodiscard]] std::vector<std::optional<double>> matched(
+      const std::vector<stereo::TrackedPosition>& positions, const std::vector<double>& predicted,
+      const stereo::DisparityImage& disparity) const;
+  /// Of a depth camera.
   [[nodiscard]] std::vector<std::optional<double>> givenDisparities(
       const std::vector<stereo::TrackedPosition>& positions) const;
 

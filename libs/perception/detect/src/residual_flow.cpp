@@ -255,6 +255,8 @@ ResidualFlow flowOf(const cv::Mat& previous, const cv::Mat& image,
   cv::Mat warped;
   cv::remap(previous, warped, warp.columns, warp.rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   flow.columns = matchedColumns(image, warped);
+  const cv::Mat nearest = stereo::nearestAround(disparity.values, kMatchedBlock / 4);
+  flow.columns.setTo(kUnknown, nearest > stereo::nearerThan(disparity.values));
   flow.sigmas = cv::Mat(flow.columns.size(), CV_32F);
   subtractStaticFlow(disparity, scene, warp, flow);
   const double noise = subtractCommonFlow(disparity.values, flow.columns);

@@ -142,6 +142,13 @@ double DisparityImage::coverage() const {
   return cv::countNonZero(values) / static_cast<double>(values.total());
 }
 
+cv::Mat nearestAround(const cv::Mat& disparities, int reach_cells) {
+  cv::Mat nearest;
+  const int side = 2 * reach_cells + 1;
+  cv::dilate(disparities, nearest, cv::getStructuringElement(cv::MORPH_RECT, {side, side}));
+  return nearest;
+}
+
 double nearestMatched(const StereoCamera& camera, const DisparityParams& params) {
   const int range = searchRange(camera, params, camera.width / params.reduce);
   return camera.fx * camera.baseline_m / (range * params.reduce);

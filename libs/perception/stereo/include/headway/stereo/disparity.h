@@ -53,6 +53,17 @@ struct DisparityImage {
   [[nodiscard]] double coverage() const;
 };
 
+/// A surface with a greater disparity than this is nearer, by a fifth. Of what is compared from
+/// frame to frame beside it, its edge may be all that moves.
+template <typename Disparity>
+[[nodiscard]] auto nearerThan(const Disparity& disparity) {
+  return 1.2 * disparity + 1.0;
+}
+/// The greatest disparity within a reach of each cell.
+///
+/// @param disparities  32-bit
+[[nodiscard]] cv::Mat nearestAround(const cv::Mat& disparities, int reach_cells);
+
 /// Least depth of which disparities are searched in a stereo pair [m]; infinite if it is too
 /// narrow.
 [[nodiscard]] double nearestMatched(const StereoCamera& camera, const DisparityParams& params);
