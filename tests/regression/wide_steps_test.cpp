@@ -21,13 +21,13 @@ constexpr double kMaxTurnError = 0.0175;  ///< one degree [rad]
 
 class WideStepsTest : public ::testing::TestWithParam<int> {
  protected:
-  WideStepsTest() : truth_(io::readTum(hall() + ".truth/trajectory.tum")) {}
-
-  static std::string hall() { return std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/hall"; }
+  explicit WideStepsTest(const std::string& recording = "hall")
+      : recording_(std::string(HEADWAY_SOURCE_DIR) + "/rawlogs/" + recording),
+        truth_(io::readTum(recording_ + ".truth/trajectory.tum")) {}
 
   void thin() const {
     const auto thinned =
-        test::runProcess(test::program("headway-import") + " rawlog -q " + hall() +
+        test::runProcess(test::program("headway-import") + " rawlog -q " + recording_ +
                          ".rawlog --every " + std::to_string(GetParam()) + " -o " + rawlog());
     ASSERT_EQ(0, thinned.status) << thinned.output;
   }
@@ -49,8 +49,14 @@ class WideStepsTest : public ::testing::TestWithParam<int> {
     return moved.inverse(Eigen::Isometry) * estimated;
   }
 
+  std::string recording_;
   std::vector<Stamped<Pose>> truth_;
   test::TemporaryFolder folder_;
+};
+
+class WideStepsInALoopTest : public WideStepsTest {
+ protected:
+  WideStepsInALoopTest() : WideStepsTest("hall_loop") {}
 };
 
 TEST_P(WideStepsTest, KeepTheHeadingOfEachFrameThatIsCalledTracked) {
@@ -65,6 +71,28 @@ TEST_P(WideStepsTest, KeepTheHeadingOfEachFrameThatIsCalledTracked) {
     EXPECT_LT(logSo3(errorOf(path.front(), at).linear()).norm(), kMaxTurnError) << at.time;
   }
 }
+
+/// Doors and windows come again every few metres; odometry knows that it cannot have got there.
+TEST_P(WideStepsInALoopTest, LeaveNoFrameThatIsCalledTrackedWhereItLooksAlike) {
+  thin();
+  io::RawlogSource source(rawlog(), {});
+  pipeline::PerceptionParams params;
+  params.detection.detector = "none";
+  pipeline::Perception perception(source.camera(), params);
+  std::optional<Stamped<Pose>> first;
+  int tracked = 0;
+  while (auto frame = source.next()) {
+    const auto update = perception.process(*frame);
+    const Stamped<Pose> now{frame->time, update.camera.T_map_robot};
+    if (!first) first = now;
+    if (update.camera.status != slam::TrackingStatus::kTracked) continue;
+    ++tracked;
+    EXPECT_LT(errorOf(*first, now).translation().norm(), 0.3) << frame->index;
+  }
+  EXPECT_GT(tracked, 30);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bundled, WideStepsInALoopTest, ::testing::Values(4, 6));
 
 /// What is said of the pose of a camera that sees nothing in the middle of its turn, and afterwards
 /// until it is found, is true; and its headings are right before, and again from where it sees on.

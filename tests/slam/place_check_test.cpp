@@ -265,5 +265,15 @@ TEST(StandsOnGroundTest, NoPlaceIsAShelfTooHigh) {
   EXPECT_TRUE(stands(6.0, 0.0, 0.1));
 }
 
+TEST(IsAllowedTest, APlaceThatOdometryDoesNotLeadToNeedsTime) {
+  EXPECT_TRUE(isAllowed(shiftedTo(0.1), shiftedTo(0.0), 0.0));
+  EXPECT_FALSE(isAllowed(shiftedTo(3.2), shiftedTo(0.0), 0.4)) << "the next door that looks alike";
+  EXPECT_TRUE(isAllowed(shiftedTo(3.2), shiftedTo(0.0), 2.1)) << "people may have led it astray";
+  Pose turned = Pose::Identity();
+  turned.linear() = expSo3({0.0, 1.0, 0.0});
+  EXPECT_FALSE(isAllowed(turned, Pose::Identity(), 0.4));
+  EXPECT_TRUE(isAllowed(turned, Pose::Identity(), 0.5));
+}
+
 }  // namespace
 }  // namespace headway::slam

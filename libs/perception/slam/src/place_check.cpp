@@ -172,14 +172,17 @@ std::optional<PlaceCheck::Place> PlaceCheck::likeliest(Time time, const Pose& T_
   return Place{likeliest->T_map_odom * T_odom_cam, likeliest->keyframe};
 }
 
+bool isAllowed(const Pose& T_map_cam, const Pose& T_map_led, double seconds) {
+  const Pose T_led_cam = T_map_led.inverse(Eigen::Isometry) * T_map_cam;
+  return T_led_cam.translation().norm() <= 0.1 + 1.5 * seconds &&
+         Eigen::AngleAxisd(T_led_cam.linear()).angle() <= 0.05 + 2.0 * seconds;
+}
+
 std::size_t PlaceCheck::addTo(Time time, const LocatedCamera& located, const Pose& T_odom_cam) {
   const Pose& T_map_cam = located.tracked.T_map_cam;
   // Whether it is where odometry has led since the place was seen last.
   const auto agrees = [&](const Seen& seen) {
-    const double seconds = std::abs(time - seen.time);
-    const Pose T_expected_cam = (seen.T_map_odom * T_odom_cam).inverse(Eigen::Isometry) * T_map_cam;
-    return T_expected_cam.translation().norm() <= 0.1 + 1.5 * seconds &&
-           Eigen::AngleAxisd(T_expected_cam.linear()).angle() <= 0.05 + 2.0 * seconds;
+    return isAllowed(T_map_cam, seen.T_map_odom * T_odom_cam, std::abs(time - seen.time));
   };
   auto place = std::find_if(seen_.begin(), seen_.end(), agrees);
   if (place == seen_.end()) {

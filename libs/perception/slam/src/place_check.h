@@ -61,6 +61,10 @@ struct LocatedCamera {
   PlaceEvidence evidence;
 };
 
+/// Whether odometry, which may drift, and be off by 1.5 m/s and 2 rad/s where most of the view
+/// moves, allows a pose some time after the one from which it leads to another.
+[[nodiscard]] bool isAllowed(const Pose& T_map_cam, const Pose& T_map_led, double seconds);
+
 /// Accepts a pose to which no odometry leads: at once if the frame proves it, else when the same
 /// place was seen for 0.2 s, 2 s apart at most, each time where odometry has led since, and all
 /// frames together prove it. In their sum no landmark counts twice, because who stands and looks at
@@ -77,8 +81,7 @@ class PlaceCheck {
 
   /// Takes all places where a frame may have been taken; the one that is accepted, if any.
   ///
-  /// @param T_odom_cam  of the same frame; it may drift, and be off by 1.5 m/s and 2 rad/s where
-  ///                    most of the view moves
+  /// @param T_odom_cam  of the same frame
   [[nodiscard]] const LocatedCamera* add(Time time, const std::vector<LocatedCamera>& places,
                                          const Pose& T_odom_cam);
   void restart() { seen_.clear(); }

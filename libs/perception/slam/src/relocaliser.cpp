@@ -2,6 +2,7 @@
 // What a lost camera does: it looks for its place in the whole map.
 #include "relocaliser.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -21,8 +22,14 @@ void Relocaliser::moveExpected(const Pose& T_odom_cam) {
 std::optional<LocatedCamera> Relocaliser::locate(const TrackingFrame& frame, int turn,
                                                  const Pose& T_odom_cam,
                                                  const std::function<bool(const Pose&)>& isLed,
-                                                 const SparseMap& map) {
-  auto places = loops_.locate(frame, turn, map);
+                                                 const Allows& isAllowed, const SparseMap& map) {
+  const auto locate = [&](std::optional<int> only) {
+    auto places = loops_.locate(frame, only, map);
+    const auto last = std::stable_partition(places.begin(), places.end(), isAllowed);
+    places.erase(last, places.end());
+    return places;
+  };
+  auto places = locate(turn);
   if (const auto before = check_.likeliest(frame.time, T_odom_cam)) {
     auto again = loops_.locateAt(*before, frame, map);
     if (again) places.push_back(std::move(*again));
@@ -33,7 +40,7 @@ std::optional<LocatedCamera> Relocaliser::locate(const TrackingFrame& frame, int
   if (located == nullptr) return std::nullopt;
   // Another place that looks alike may not have had its turn.
   const LocatedCamera first = *located;
-  places = loops_.locate(frame, std::nullopt, map);
+  places = locate(std::nullopt);
   places.insert(places.begin(), first);
   located = check_.add(frame.time, places, T_odom_cam);
   return located != nullptr ? std::optional(*located) : std::nullopt;

@@ -15,6 +15,8 @@ namespace headway::slam {
 /// Finds a lost camera in the whole map; state is kept from its first lost frame to the last.
 class Relocaliser {
  public:
+  using Allows = std::function<bool(const LocatedCamera&)>;
+
   /// @param loops  must outlive the relocaliser
   explicit Relocaliser(LoopCloser& loops) : loops_(loops) {}
 
@@ -31,10 +33,11 @@ class Relocaliser {
   /// @param turn        frames that are lost before this one
   /// @param T_odom_cam  as PlaceCheck::add()
   /// @param isLed       whether odometry leads to a place, which then needs no proof
+  /// @param isAllowed   whether odometry allows a place at all
   [[nodiscard]] std::optional<LocatedCamera> locate(const TrackingFrame& frame, int turn,
                                                     const Pose& T_odom_cam,
                                                     const std::function<bool(const Pose&)>& isLed,
-                                                    const SparseMap& map);
+                                                    const Allows& isAllowed, const SparseMap& map);
 
   /// The camera need not be searched for any longer.
   ///

@@ -235,7 +235,13 @@ class StereoSlam::Implementation {
     const Pose T_odom_cam =
         motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
     current.up = upWhereItStands(context);
-    auto located = relocaliser_.locate(current, lost_in_a_row_, T_odom_cam, isLed, map_);
+    const Pose led = proposed.value_or(motion_.last() * predictedStep(context.frame()));
+    const auto allows = [&](const LocatedCamera& place) {
+      const bool is_way_known = reference_ && map_.submapOf(place.keyframe) == submap();
+      return !is_way_known ||
+             isAllowed(place.tracked.T_map_cam, led, context.frame().time - last_tracked_);
+    };
+    auto located = relocaliser_.locate(current, lost_in_a_row_, T_odom_cam, isLed, allows, map_);
     if (!located) return std::nullopt;
     relocalised_ = true;
     setReferenceKeyframe(located->keyframe);
