@@ -124,6 +124,9 @@ class PlaceCheckTest : public testing::Test {
 
 TEST_F(PlaceCheckTest, AProofIsAcceptedAtOnce) {
   EXPECT_TRUE(accepts(1.0, seenAt(5.0, kPlaceProof)));
+  check_.restart();
+  EXPECT_FALSE(accepts(1.0, seenAt(5.0, kPlaceProof + 7, 4))) << "what is missed counts double";
+  EXPECT_TRUE(accepts(1.0, seenAt(5.0, kPlaceProof + 8, 4)));
 }
 
 TEST_F(PlaceCheckTest, WhatWasSeenBeforeTheClockWasSetBackIsNoRival) {

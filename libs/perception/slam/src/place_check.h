@@ -68,8 +68,8 @@ struct LocatedCamera {
 /// Accepts a pose to which no odometry leads: at once if the frame proves it, else when the same
 /// place was seen for 0.2 s, 2 s apart at most, each time where odometry has led since, and all
 /// frames together prove it. In their sum no landmark counts twice, because who stands and looks at
-/// the same part of a place learns nothing of the rest; what is missed counts double, but once in
-/// that of any other place, which is taken off.
+/// the same part of a place learns nothing of the rest. What is missed counts double, but once in
+/// the sum of any other place, which is taken off.
 class PlaceCheck {
  public:
   struct Place {
