@@ -2,6 +2,8 @@
 // Whether a frame shows the place that it was recognised as.
 #include "place_check.h"
 
+#include <headway/stereo/disparity.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,7 +89,6 @@ using Cells = std::map<std::pair<int, int>, Cell>;
 Cells cellsOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
               const TrackingFrame& frame, const SparseMap& map, const StereoCamera& camera,
               const SlamParams& params) {
-  constexpr double kNearer = 1.2;  ///< ratio of disparities, from which something stands before
   const LandmarkTracker tracker(camera, params);
   const auto matcher = matcherFor(camera, params);
   const Pose T_cam_map = seen.T_map_cam.inverse(Eigen::Isometry);
@@ -110,7 +111,7 @@ Cells cellsOf(const TrackedPose& seen, const std::vector<LandmarkId>& among,
     if (*is_found) {
       cell.found.insert(id);
     } else if (const auto disparity = matcher.search(frame.left, frame.right, uvd->head<2>())) {
-      const bool is_hidden = *disparity > kNearer * uvd->z() + 1.0;
+      const bool is_hidden = *disparity > stereo::nearerThan(uvd->z());
       if (is_hidden) cell.is_hidden = true;
       if (!is_hidden) cell.missed.push_back(id);
     }

@@ -232,10 +232,10 @@ class StereoSlam::Implementation {
       return isNear(initial_poses.front(), T_map_cam) || (proposed && isNear(*proposed, T_map_cam));
     };
     if (tracked && (lost_in_a_row_ == 0 || isLed(tracked->T_map_cam))) return found(tracked);
-    const Pose T_odom_cam =
-        motion_in_odom_.last() * (step ? *step : predictedStep(context.frame()));
+    const Pose moved = step ? *step : predictedStep(context.frame());
+    const Pose T_odom_cam = motion_in_odom_.last() * moved;
+    const Pose led = motion_.last() * moved;
     current.up = upWhereItStands(context);
-    const Pose led = proposed.value_or(motion_.last() * predictedStep(context.frame()));
     const auto allows = [&](const LocatedCamera& place) {
       const bool is_way_known = reference_ && map_.submapOf(place.keyframe) == submap();
       return !is_way_known ||
