@@ -101,5 +101,25 @@ TEST(ExtentBeyondTest, CountsLayersOfDepthAboveDensityAndOnlyWhatTheOtherDoesNot
   EXPECT_EQ(extentBeyond(all, all, deep, kCamera), 0.0);
 }
 
+TEST(PoseOfOneMotionTest, IsNotBetweenTheSceneAndWhatStartsToMoveBeforeIt) {
+  constexpr stereo::PoseRefinerOptions kWide{4.0, 3, 6};
+  std::vector<stereo::PoseConstraint> constraints;
+  const Pose still = Pose::Identity(), as_if = shifted(-0.02, 0.0, 0.005);
+  addGroup(constraints, 110, 0.0, 1240.0, 2.5, 12.0, still);
+  addGroup(constraints, 70, 200.0, 1000.0, 1.6, 1.9, as_if);
+  for (auto& constraint : constraints) constraint.measurement.sigma_px = 0.5;
+  const auto between = stereo::refinePose(still, constraints, kCamera, kWide);
+  ASSERT_TRUE(between);
+  EXPECT_GT(distance(between->T_map_cam, still), 0.01);
+  EXPECT_LT(distance(poseOfOneMotion(between->T_map_cam, constraints, kCamera), still), 0.004);
+}
+
+TEST(PoseOfOneMotionTest, KeepsAPoseThatFits) {
+  std::vector<stereo::PoseConstraint> constraints;
+  addGroup(constraints, 110, 0.0, 1240.0, 5.0, 8.0, Pose::Identity());
+  const Pose near = shifted(0.001, 0.0, 0.0);
+  EXPECT_EQ(poseOfOneMotion(near, constraints, kCamera).matrix(), near.matrix());
+}
+
 }  // namespace
 }  // namespace headway::slam

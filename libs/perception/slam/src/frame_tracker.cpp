@@ -267,7 +267,9 @@ std::optional<stereo::RefinedPose> FrameTracker::refineByStaticInliers(
   if (!first || first->inliers < params_.min_inliers) {
     return stereo::refinePose(predicted, constraints, camera_, kFine);
   }
-  return refineAgreeing(first->T_map_cam, constraints, camera_, kFine.iterations);
+  const Pose pose = rejectsByGeometry() ? poseOfOneMotion(first->T_map_cam, static_inliers, camera_)
+                                        : first->T_map_cam;
+  return refineAgreeing(pose, constraints, camera_, kFine.iterations);
 }
 
 std::vector<stereo::PoseConstraint> FrameTracker::constraintsOf(

@@ -146,4 +146,18 @@ const RigidMotion* cameraMotion(const std::vector<RigidMotion>& motions,
   return best;
 }
 
+Pose poseOfOneMotion(const Pose& T_map_cam, const std::vector<stereo::PoseConstraint>& constraints,
+                     const StereoCamera& camera) {
+  constexpr double kFitRatio = 0.5;  ///< of one motion, 0.68 are within kGateScale
+  const auto count = static_cast<int>(constraints.size());
+  auto fitting = constraints;
+  if (stereo::markInliers(T_map_cam, fitting, camera, kGateScale) >= kFitRatio * count) {
+    return T_map_cam;
+  }
+  const auto motions = rigidMotions(constraints, camera, {T_map_cam}, count / 4);
+  const std::vector<bool> is_static(constraints.size(), true);
+  const RigidMotion* best = cameraMotion(motions, constraints, is_static, camera);
+  return best != nullptr ? best->T_map_cam : T_map_cam;
+}
+
 }  // namespace headway::slam

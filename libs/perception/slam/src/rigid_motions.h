@@ -69,4 +69,14 @@ struct RigidMotion {
     const std::vector<RigidMotion>& motions, const std::vector<stereo::PoseConstraint>& constraints,
     const std::vector<bool>& is_static, const StereoCamera& camera);
 
+/// The camera's motion, if a pose is between two: what stood still, as a parked forklift, may start
+/// to move; both motions are then within the gates of a pose that fits neither.
+///
+/// @param constraints  landmarks that were verified static before
+/// @return             the pose given, if half of the constraints fit it well; else that of a motion
+///                     that a quarter of them agree on
+[[nodiscard]] Pose poseOfOneMotion(const Pose& T_map_cam,
+                                   const std::vector<stereo::PoseConstraint>& constraints,
+                                   const StereoCamera& camera);
+
 }  // namespace headway::slam
