@@ -69,9 +69,10 @@ class ImagesEye : public Eye {
     const auto& camera = result->update.camera;
     const Eigen::Vector3d place = camera.T_map_robot.translation();
     knowledge.expected = mrpt::math::TPose2D(place.x(), place.y(), yawOf(camera.T_map_robot));
-    // Who is lost goes on by wheels for as long as those know where it is.
+    // Who is lost goes on by wheels for as long as those know where it has come since.
     const bool goes_on = camera.status == slam::TrackingStatus::kLost && frame.odometry;
-    if (isTracked(camera.status) || (goes_on && isKnown(camera.covariance))) {
+    if (isTracked(camera.status)) when_tracked_ = camera.covariance;
+    if (isTracked(camera.status) || (goes_on && isKnown(camera.covariance - when_tracked_))) {
       knowledge.pose = knowledge.expected;
     }
     knowledge.image = frame.left;
@@ -80,6 +81,7 @@ class ImagesEye : public Eye {
 
  private:
   pipeline::PerceptionParams params_;
+  PoseCovariance when_tracked_ = PoseCovariance::Zero();  ///< the last time
   std::optional<io::LiveSource> live_;
   std::optional<run::SensorFrames> source_;
   std::optional<pipeline::Perception> perception_;

@@ -49,5 +49,26 @@ TEST(ComposedCovarianceTest, ATurnMovesWhatIsFarAway) {
   EXPECT_NEAR(far(0, 0), 0.0, 1e-12);
 }
 
+/// What a calibration that is off makes of a turn and the way after it.
+TEST(CalibrationCovarianceTest, IsThatOfATurnAndAWayThatAreScaled) {
+  const auto moved = [](double turn_error, double way_error) {
+    const Pose turned = poseOf(Eigen::Vector3d::Zero(), {0.0, 0.0, (1.0 + turn_error) * 0.8});
+    return Pose(turned * poseOf({(1.0 + way_error) * 5.0, 0.0, 0.0}, {0.0, 0.0, 0.0}));
+  };
+  constexpr double kFocal = 0.003, kBaseline = 0.003, kOffset = 0.01;
+  const Pose right = moved(0.0, 0.0);
+  PoseCovariance expected = PoseCovariance::Zero();
+  for (const Pose& wrong :
+       {moved(kFocal, 0.0), moved(0.0, kFocal), moved(0.0, kBaseline), moved(0.0, kOffset)}) {
+    expected += difference(right, wrong) * difference(right, wrong).transpose();
+  }
+  const PoseCovariance found = calibrationCovariance(right, kOffset);
+  EXPECT_LT((found - expected).norm(), 0.01 * expected.norm());
+}
+
+TEST(CalibrationCovarianceTest, IsNothingWhereTheMapBegins) {
+  EXPECT_EQ(calibrationCovariance(Pose::Identity(), 0.01).norm(), 0.0);
+}
+
 }  // namespace
 }  // namespace headway::slam

@@ -140,6 +140,15 @@ std::vector<stereo::TrackedPosition> followPoints(const stereo::ImagePyramid& fr
   return found;
 }
 
+std::optional<double> medianDisparity(const std::vector<TrackedLandmark>& seen) {
+  std::vector<double> disparities;
+  for (const TrackedLandmark& landmark : seen) {
+    if (landmark.measurement.stereo) disparities.push_back(landmark.measurement.disparity);
+  }
+  if (disparities.empty()) return std::nullopt;
+  return median(disparities);
+}
+
 struct LandmarkTracker::Candidate {
   int cell = 0;
   const Landmark* landmark = nullptr;

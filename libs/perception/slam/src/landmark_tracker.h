@@ -10,6 +10,7 @@
 #include <headway/stereo/stereo_match.h>
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "keypoints.h"
@@ -85,6 +86,9 @@ struct TrackedLandmark {
   stereo::StereoMeasurement measurement;
   double patch_scale = 1.0;  ///< pixels of its reference patch in one pixel of `level`
 };
+
+/// Of those whose disparity was measured [px]; nullopt if none was.
+[[nodiscard]] std::optional<double> medianDisparity(const std::vector<TrackedLandmark>& seen);
 
 /// Finds landmarks of the map in images.
 ///

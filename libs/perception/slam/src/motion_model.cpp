@@ -18,6 +18,18 @@ PoseCovariance composedCovariance(const PoseCovariance& of_ab, const Pose& T_b_c
   return adjoint * of_ab * adjoint.transpose() + of_bc;
 }
 
+PoseCovariance calibrationCovariance(const Pose& T_origin_cam, double offset_ratio) {
+  constexpr double kSigma = 0.003;  ///< of focal lengths, baselines and scales of depth, relative
+  const Eigen::Vector3d& way = T_origin_cam.translation();
+  const Eigen::Vector3d turn = logSo3(T_origin_cam.linear());
+  const Eigen::Matrix3d R_cam_origin = T_origin_cam.linear().transpose();
+  Eigen::Matrix<double, 6, 2> errors;
+  errors.col(0) << R_cam_origin * turn.cross(way), turn;
+  errors.col(1) << R_cam_origin * way, Eigen::Vector3d::Zero();
+  const Eigen::Vector2d variances(square(kSigma), 2.0 * square(kSigma) + square(offset_ratio));
+  return errors * variances.asDiagonal() * errors.transpose();
+}
+
 double positionSigma(const PoseCovariance& covariance) {
   return std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3.0);
 }

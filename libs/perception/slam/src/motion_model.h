@@ -18,6 +18,15 @@ namespace headway::slam {
 [[nodiscard]] PoseCovariance composedCovariance(const PoseCovariance& of_ab, const Pose& T_b_c,
                                                 const PoseCovariance& of_bc);
 
+/// Covariance of a camera's pose in its map by what is not known of the calibration: a focal length
+/// that is off scales the rotation and the way since the map's origin, a baseline or an offset of
+/// disparities the way. First order, as if the camera had turned first and both were independent;
+/// on the right as composedCovariance().
+///
+/// @param T_origin_cam  since the map's first keyframe; a loop that closes there leaves nothing
+/// @param offset_ratio  standard deviation of the offset by the disparity of what is seen
+[[nodiscard]] PoseCovariance calibrationCovariance(const Pose& T_origin_cam, double offset_ratio);
+
 /// Standard deviation of a position, mean of the axes [m].
 [[nodiscard]] double positionSigma(const PoseCovariance& covariance);
 

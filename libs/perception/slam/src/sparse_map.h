@@ -10,6 +10,7 @@
 #include <headway/stereo/rectification.h>
 
 #include <Eigen/Core>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -171,6 +172,10 @@ class SparseMap {
                              double independent) {
     disparity_offset_px_ = offset_px;
     if (seen) offset_record_.add(*seen, independent);
+  }
+  /// Its standard deviation by all adjustments and the focal length's [px].
+  [[nodiscard]] double offsetSigma() const {
+    return std::hypot(offset_record_.estimate().sigma_px, stereo::kOffsetByFocalLength_px);
   }
   /// Whether it is to be corrected: where the right camera proved to be turned, in any case.
   [[nodiscard]] bool isOffsetCorrected() const {

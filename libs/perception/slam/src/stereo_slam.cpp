@@ -388,10 +388,21 @@ class StereoSlam::Implementation {
     return step;
   }
 
+  /// What the calibration leaves unknown of the camera's pose in its submap.
+  [[nodiscard]] PoseCovariance calibrationCovariance() const {
+    const auto origin = map_.keyframes().find(active_submap_.first());
+    if (origin == map_.keyframes().end()) return PoseCovariance::Zero();
+    const auto seen_px = camera_->isDepthCamera() ? std::nullopt : medianDisparity(seen_before_);
+    return slam::calibrationCovariance(
+        origin->second.T_map_cam.inverse(Eigen::Isometry) * motion_.last(),
+        seen_px ? map_.offsetSigma() / *seen_px : 0.0);
+  }
+
   /// Pose and covariance in both frames, and the submap.
   void describePose(SlamUpdate& update) const {
     update.T_map_robot = normalized(motion_.last() * T_cam_robot_);
-    update.covariance = composedCovariance(covariance_, T_cam_robot_, PoseCovariance::Zero());
+    const PoseCovariance of_camera = covariance_ + calibrationCovariance();
+    update.covariance = composedCovariance(of_camera, T_cam_robot_, PoseCovariance::Zero());
     update.T_odom_robot = normalized(motion_in_odom_.last() * T_cam_robot_);
     update.is_motion_seen = is_step_seen_;
     update.T_map_odom =
@@ -471,8 +482,7 @@ class StereoSlam::Implementation {
   /// predicted one. Its covariance grows by that of the visual step, or of wheel odometry since the
   /// last tracked frame, or without both as if the robot's velocity had changed at once.
   void coast(const StereoFrame& frame) {
-    constexpr double kSpeedSigma = 1.0;       ///< of a robot or a hand that starts or stops [m/s]
-    constexpr double kTurnSigma = 1.0;        ///< the same [rad/s]
+    constexpr double kStartSigma = 1.0;  ///< of a robot or a hand that starts or stops [m/s, rad/s]
     constexpr double kGyroscopeSigma = 0.05;  ///< of consumer gyroscopes with scale errors [rad/s]
     const double before_s = lost_in_a_row_ > 0 ? lost_s_ : 0.0;
     lost_s_ = (lost_in_a_row_++ > 0 ? lost_s_ : 0.0) + secondsOfFrame();
@@ -484,8 +494,8 @@ class StereoSlam::Implementation {
       covariance_ = predictedCovariance(covariance_when_tracked_, *link);
     } else {
       const double growth_s2 = square(lost_s_) - square(before_s);
-      const double turn_sigma = turns_known_ ? kGyroscopeSigma : kTurnSigma;
-      covariance_.diagonal().head<3>().array() += square(kSpeedSigma) * growth_s2;
+      const double turn_sigma = turns_known_ ? kGyroscopeSigma : kStartSigma;
+      covariance_.diagonal().head<3>().array() += square(kStartSigma) * growth_s2;
       covariance_.diagonal().tail<3>().array() += square(turn_sigma) * growth_s2;
     }
   }

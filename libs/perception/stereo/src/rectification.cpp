@@ -105,10 +105,6 @@ struct CorrectionParams {
   double changed_rows_px = 0.1;     ///< one converts the map
 };
 
-/// What focal lengths look like that are off by 0.3 %, as those of calibrations are: part of what
-/// is said of an offset, not of its correction, which serves as well against it [px].
-constexpr double kOffsetByFocalLength_px = 0.07;
-
 constexpr RowParams kRows;
 constexpr CorrectionParams kCorrection;
 

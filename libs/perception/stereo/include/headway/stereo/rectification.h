@@ -19,6 +19,9 @@ namespace headway::stereo {
 /// A calibration rectifies a pair to about so much in its disparities: the standard deviation of
 /// their offset before anything is measured [px].
 inline constexpr double kRectificationSigma_px = 0.5;
+/// What focal lengths look like that are off by 0.3 %, as those of calibrations are: part of what
+/// is said of an offset, not of its correction, which serves as well against it [px].
+inline constexpr double kOffsetByFocalLength_px = 0.07;
 
 /// Ratio of the information of a frame's points that counts: they share the errors of its images.
 inline constexpr double kIndependentRatio = 0.05;
