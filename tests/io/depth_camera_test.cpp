@@ -202,6 +202,26 @@ TEST_F(DepthCameraTest, CamerasInOnePlaceSeeAsThoseAHairApart) {
   }
 }
 
+/// Whether pixels that cover each other are found once must not depend on it: one by one, a hole
+/// costs the triangles beside it.
+TEST_F(DepthCameraTest, HowFarTheCameraMeasuresChangesNothingNearer) {
+  RawDepthCamera camera = registeredCamera();
+  camera.color = camera.depth = {
+      640, 480, 517.0, 516.0, 318.6, 255.3, {0.26, -0.95, -0.005, 0.003, 1.16}, {}, false};
+  cv::Mat ranges(480, 640, CV_16U, cv::Scalar(2000));
+  for (int place = 0; place < static_cast<int>(ranges.total()); place += 47) {
+    ranges.at<std::uint16_t>(place / ranges.cols, place % ranges.cols) = 0;
+  }
+  StereoCamera target{640, 480, 517.0, 517.0, 319.5, 239.5, 0.08};
+  const cv::Mat of_any_reach = DepthRegistration(camera, target).disparities(ranges);
+  target.depth_reach_m = 5.0;
+  const cv::Mat of_near_reach = DepthRegistration(camera, target).disparities(ranges);
+  cv::Mat difference;
+  cv::absdiff(of_any_reach, of_near_reach, difference);
+  EXPECT_EQ(0, cv::countNonZero(difference > 1e-3));
+  EXPECT_GT(cv::countNonZero(of_any_reach > 0.0), 200000);
+}
+
 TEST_F(DepthCameraTest, UnitsAndHolesAreKept) {
   RawDepthCamera camera = registeredCamera();
   camera.metres_per_unit = 0.0002;

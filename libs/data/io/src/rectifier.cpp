@@ -379,10 +379,12 @@ DepthRegistration::DepthRegistration(const RawDepthCamera& recorded, const Stere
 /// Finds which depth pixels cover which pixel, which does not depend on ranges if there is no
 /// parallax.
 void DepthRegistration::coverOnce() {
-  constexpr std::uint16_t kFar = 60'000;  // any range but for holes
-  const cv::Mat points = projected(cv::Mat(size(), CV_16U, cv::Scalar(kFar)));
+  constexpr double kMostUnits = 60'000.0;  // fewer than a hole has
+  const double units =  // any range that is measured
+      std::floor(std::min(kMostUnits, farthest() / recorded_.metres_per_unit));
+  const cv::Mat points = projected(cv::Mat(size(), CV_16U, cv::Scalar(units)));
   cv::extractChannel(points, unit_disparities_, 2);
-  unit_disparities_ *= static_cast<double>(kFar);
+  unit_disparities_ *= units;
   for (int place = 0; place + points.cols + 1 < static_cast<int>(points.total()); ++place) {
     if (place % points.cols == points.cols - 1) continue;
     const std::array<int, 4> quad = {place, place + 1, place + points.cols,
