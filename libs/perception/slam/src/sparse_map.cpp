@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -196,6 +197,13 @@ std::vector<int> SparseMap::submaps() const {
   std::set<int> submaps;
   for (const auto& [id, keyframe] : keyframes_) submaps.insert(keyframe.submap);
   return {submaps.begin(), submaps.end()};
+}
+
+const Keyframe& SparseMap::firstOf(int submap) const {
+  const auto is_in = [submap](const auto& item) { return item.second.submap == submap; };
+  const auto first = std::find_if(keyframes_.begin(), keyframes_.end(), is_in);
+  if (first == keyframes_.end()) throw std::out_of_range("a submap without keyframes");
+  return first->second;
 }
 
 int SparseMap::newSubmap() const {

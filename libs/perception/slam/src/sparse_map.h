@@ -140,7 +140,9 @@ class SparseMap {
   /// Submaps are groups of keyframes with a known place to each other, numbered from 0.
   [[nodiscard]] int submapOf(KeyframeId id) const { return keyframes_.at(id).submap; }
   [[nodiscard]] std::vector<int> submaps() const;  ///< ascending
-  [[nodiscard]] int newSubmap() const;             ///< a number that no keyframe has
+  /// The first keyframe of a submap that has any.
+  [[nodiscard]] const Keyframe& firstOf(int submap) const;
+  [[nodiscard]] int newSubmap() const;  ///< a number that no keyframe has
   /// Makes one submap of two, with the lower number.
   void joinSubmaps(int a, int b);
 

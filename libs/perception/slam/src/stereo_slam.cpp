@@ -390,12 +390,11 @@ class StereoSlam::Implementation {
 
   /// What the calibration leaves unknown of the camera's pose in its submap.
   [[nodiscard]] PoseCovariance calibrationCovariance() const {
-    const auto origin = map_.keyframes().find(active_submap_.first());
-    if (origin == map_.keyframes().end()) return PoseCovariance::Zero();
+    if (!reference_) return PoseCovariance::Zero();
+    const Pose& T_map_origin = map_.firstOf(submap()).T_map_cam;
     const auto seen_px = camera_->isDepthCamera() ? std::nullopt : medianDisparity(seen_before_);
-    return slam::calibrationCovariance(
-        origin->second.T_map_cam.inverse(Eigen::Isometry) * motion_.last(),
-        seen_px ? map_.offsetSigma() / *seen_px : 0.0);
+    return slam::calibrationCovariance(T_map_origin.inverse(Eigen::Isometry) * motion_.last(),
+                                       seen_px ? map_.offsetSigma() / *seen_px : 0.0);
   }
 
   /// Pose and covariance in both frames, and the submap.
