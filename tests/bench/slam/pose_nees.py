@@ -7,7 +7,7 @@
 OUTDIR is the folder of a replay, NAME.truth that of its recording. The first poses of both are made
 equal. A row has the greatest errors, the normalised squared errors of the position on the ground (of
 its two states) and of the heading, by mean 1 if what is said is honest, and the frames in which one
-of them lies beyond 3 standard deviations.
+of them lies beyond 3 standard deviations. Needs python3-numpy.
 """
 from __future__ import annotations
 

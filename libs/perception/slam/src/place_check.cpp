@@ -219,8 +219,7 @@ const LocatedCamera* PlaceCheck::add(Time time, const std::vector<LocatedCamera>
     }
     // A place that another one is like half as much is a copy of it, seen from another side.
     const int needed = rival + std::max(kPlaceProof, rival);
-    const auto missed = static_cast<int>(places[i].evidence.missed.size());
-    if (places[i].evidence.sum() - missed >= needed ||
+    if (places[i].evidence.proof() >= needed ||
         (place.evidence() >= needed && time - place.since >= 0.199)) {
       return &places[i];
     }

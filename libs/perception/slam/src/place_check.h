@@ -24,6 +24,8 @@ struct PlaceEvidence {
   [[nodiscard]] int sum() const {
     return static_cast<int>(found.size()) - static_cast<int>(missed.size());
   }
+  /// The sum in which what is missed counts double.
+  [[nodiscard]] int proof() const { return sum() - static_cast<int>(missed.size()); }
 };
 
 /// Whether a camera that rides as high over the ground as ever can have got from the nearest
