@@ -363,7 +363,10 @@ void report(const eval::PeopleError& error) {
             << error.person_rows << " rows say person, " << error.person_rows_right << " right ("
             << plot::percentText(error.personRowsRatio(), 1) << " %)\n"
             << error.moving_tracks << " moving tracks, " << error.false_moving_tracks.size()
-            << " false (" << plot::fixedText(error.falseTracksPer10Min(), 1) << " in 10 min)\n";
+            << " false (" << plot::fixedText(error.falseTracksPer10Min(), 1) << " in 10 min)\n"
+            << error.first_rows_s.size() << " people came into view: a row after "
+            << plot::fixedText(error.medianFirstRow_s(), 2) << " s in the median, within 1 s for "
+            << plot::percentText(error.withinASecondRatio(), 1) << " %\n";
 }
 
 }  // namespace

@@ -74,3 +74,11 @@ for world in yard-loop hall campus warehouse; do
 done
 for seed in ${EMPTY_SEEDS:-31 32}; do replayed "empty-$seed"; done
 python3 tests/bench/robots_people.py "empty halls, robot" "$out"/empty-*.people.json
+
+echo
+echo "People who walk, by how they come, to the reach of the rig's line, all worlds together; time to their first row"
+echo "| rig | head-on | crossing | leaving | in a group | from behind something | robot turns | median | within 1 s |"
+echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
+for rig in robot small rgbd; do
+  python3 tests/bench/robots_people.py --ways $rig $(for w in yard-loop hall campus warehouse; do figures $w $rig people; done)
+done

@@ -1,36 +1,54 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints one row of robots.sh's table of people: the figures of `headway-eval people --json` added up.
+"""Prints one row of robots.sh's tables of people: the figures of `headway-eval people --json` added up.
 
-    robots_people.py TITLE FIGURES.json...
+    robots_people.py [--ways] TITLE FIGURES.json...
+
+With --ways those who walk by how they come, and the time to their first row: its median and the ratio within a second.
 """
 import json
+import math
 import sys
 
 from robots_grid import percent
 
 RANGES = ("0.5-1.5", "1.5-3", "3-7", "7-")
+WAYS = ("head-on", "crossing", "leaving", "in a group", "from behind something", "robot turns")
 
 
-def main():
-    figures = []
-    for path in sys.argv[2:]:
-        with open(path, encoding="utf-8") as file:
-            figures.append(json.load(file))
+def found_of(figures, group, name):
+    found, persons = (sum(f[group].get(name, {}).get(key, 0) for f in figures) for key in ("found", "person_frames"))
+    return f"{percent(found, persons)} ({persons})" if persons else "-"
 
+
+def by_range(figures):
     def total(key):
         return sum(f[key] for f in figures)
 
-    cells = []
-    for group in ("walking", "standing"):
-        for name in RANGES:
-            found, persons = (sum(f[group].get(name, {}).get(key, 0) for f in figures)
-                              for key in ("found", "person_frames"))
-            cells.append(f"{percent(found, persons)} ({persons})" if persons else "-")
+    cells = [found_of(figures, group, name) for group in ("walking", "standing") for name in RANGES]
     false_tracks = sum(len(f["false_moving_tracks"]) for f in figures)
-    cells += [percent(total("false_rows"), total("rows")),
-              percent(total("person_rows_right"), total("person_rows")), str(false_tracks)]
-    print(f"| {sys.argv[1]} | " + " | ".join(cells) + " |")
+    return cells + [percent(total("false_rows"), total("rows")), percent(total("person_rows_right"), total("person_rows")),
+                    str(false_tracks)]
+
+
+def by_way(figures):
+    cells = [found_of(figures, "ways", name) for name in WAYS]
+    times = sorted(math.inf if time is None else time for f in figures for time in f["first_rows_s"])
+    if not times:
+        return cells + ["-", "-"]
+    return cells + [f"{times[len(times) // 2]:.2f} s", f"{percent(sum(t <= 1.0 for t in times), len(times))} ({len(times)})"]
+
+
+def main():
+    arguments = sys.argv[1:]
+    row = by_range
+    if arguments[0] == "--ways":
+        arguments, row = arguments[1:], by_way
+    figures = []
+    for path in arguments[1:]:
+        with open(path, encoding="utf-8") as file:
+            figures.append(json.load(file))
+    print(f"| {arguments[0]} | " + " | ".join(row(figures)) + " |")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,8 @@
 #include <headway/eval/people_error.h>
 #include <headway/eval/plots.h>
 
+#include <nlohmann/json.hpp>
+
 namespace headway::eval {
 namespace {
 
@@ -60,6 +62,89 @@ std::vector<PeopleFrame> twoSeconds() {
     frames.push_back(frame);
   }
   return frames;
+}
+
+/// Somebody walks at 1 m/s in a direction for two seconds and is found from a time on.
+std::vector<PeopleFrame> walk(double direction_rad, double found_from_s) {
+  std::vector<PeopleFrame> frames;
+  const Eigen::Vector3d velocity(std::cos(direction_rad), std::sin(direction_rad), 0.0);
+  for (int k = 0; k < 20; ++k) {
+    PeopleFrame& frame = frames.emplace_back();
+    frame.time = 0.1 * k;
+    Track person = boxAt(1, kPerson, 4.0, 0.0, true);
+    person.position += (frame.time - 1.0) * velocity;
+    person.velocity = velocity;
+    frame.truth = {{person, 1.0}};
+    if (frame.time > found_from_s - 0.01) {
+      person.id = TrackId{11};
+      frame.rows = {person};
+    }
+  }
+  return frames;
+}
+
+TEST(PeopleErrorTest, TellsApartFromWhereTheyWalk) {
+  for (const auto& [direction_rad, way] :
+       {std::pair{M_PI, "head-on"}, {0.0, "leaving"}, {0.5 * M_PI, "crossing"}}) {
+    const auto error = peopleErrorOf(walk(direction_rad, 1.0));
+    ASSERT_EQ(error.ways.count(way), 1u) << way;
+    EXPECT_EQ(error.ways.at(way).persons, 16u) << way;
+    EXPECT_EQ(error.ways.at(way).found, 10u) << way;
+    for (const auto& [other, cell] : error.ways) {
+      if (other != way) {
+        EXPECT_LT(cell.persons, 4u) << other << " of who is " << way;
+      }
+    }
+  }
+  EXPECT_TRUE(peopleErrorOf(walk(0.25 * M_PI, 1.0)).ways.empty());
+}
+
+TEST(PeopleErrorTest, TellsApartGroupsWhoAppearsAndARobotThatTurns) {
+  auto frames = walk(0.25 * M_PI, 0.0);
+  for (PeopleFrame& frame : frames) {
+    Track other = frame.truth.front().object;
+    other.id = TrackId{2};
+    other.position.y() += 0.8;
+    if (frame.time < 0.75) frame.truth.push_back({other, 1.0});
+    frame.turn_radps = frame.time > 1.45 ? -1.5 : 0.5;
+  }
+  auto error = peopleErrorOf(frames);
+  EXPECT_EQ(error.ways.at("in a group").persons, 8u) << "two, from 0.4 to 0.7 s";
+  EXPECT_EQ(error.ways.at("robot turns").persons, 5u);
+  EXPECT_EQ(error.ways.count("from behind something"), 0u) << "they were there from the start";
+  for (PeopleFrame& frame : frames) {
+    if (frame.time < 0.45) frame.truth.front().visible = 0.2;
+  }
+  error = peopleErrorOf(frames);
+  EXPECT_EQ(error.ways.at("from behind something").persons, 6u) << "from 0.9 to 1.4 s";
+}
+
+TEST(PeopleErrorTest, StatesHowLongWhoComesIntoViewHasNoRow) {
+  const auto late = peopleErrorOf(walk(0.0, 0.7));
+  ASSERT_EQ(late.first_rows_s.size(), 1u);
+  EXPECT_NEAR(late.medianFirstRow_s().value(), 0.7, 1e-9);
+  EXPECT_DOUBLE_EQ(late.withinASecondRatio().value(), 1.0);
+  const auto too_late = peopleErrorOf(walk(0.0, 1.5));
+  EXPECT_NEAR(too_late.medianFirstRow_s().value(), 1.5, 1e-9);
+  EXPECT_DOUBLE_EQ(too_late.withinASecondRatio().value(), 0.0);
+  const auto never = peopleErrorOf(walk(0.0, 3.0));
+  EXPECT_EQ(never.first_rows_s.size(), 1u);
+  EXPECT_FALSE(never.medianFirstRow_s().has_value());
+  EXPECT_TRUE(toJson(never)["first_rows_s"][0].is_null());
+
+  auto comes_back = walk(0.0, 0.0);  // out of view for 0.7 s, then found after 0.3 s
+  for (PeopleFrame& frame : comes_back) {
+    if (frame.time > 0.75 && frame.time < 1.45) frame.truth.front().visible = 0.1;
+    if (frame.time > 0.75 && frame.time < 1.75) frame.rows.clear();
+  }
+  const auto twice = peopleErrorOf(comes_back).first_rows_s;
+  ASSERT_EQ(twice.size(), 2u);
+  EXPECT_NEAR(twice[0], 0.0, 1e-9);
+  EXPECT_NEAR(twice[1], 0.3, 1e-9);
+
+  auto short_look = walk(0.0, 3.0);
+  short_look.resize(8);
+  EXPECT_TRUE(peopleErrorOf(short_look).first_rows_s.empty()) << "nobody stays";
 }
 
 TEST(PeopleErrorTest, CountsPersonFramesFromWhenTheyHaveBeenInViewForAWhile) {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "evaluation_inputs.h"
@@ -52,7 +53,11 @@ class PeopleEvaluation {
     }
     const auto row_of = match(people, frame.rows);
     for (std::size_t i = 0; i < people.size(); ++i) {
-      if (counts(*people[i], frame.time)) countPerson(*people[i], row_of[i]);
+      noteArrival(*people[i], row_of[i], frame.time);
+      if (!counts(*people[i], frame.time)) continue;
+      countPerson(*people[i], row_of[i]);
+      if (!isMoving(people[i]->object)) continue;
+      for (const char* way : waysOf(*people[i], people, frame)) count(row_of[i], result_.ways[way]);
     }
     for (const auto& row : frame.rows) {
       if (row.status == TrackStatus::kConfirmed) countRow(row, frame.truth, people);
@@ -60,6 +65,8 @@ class PeopleEvaluation {
   }
 
   [[nodiscard]] PeopleError result() {
+    for (const auto& [id, arrival] : arrivals_) end(arrival);
+    std::sort(result_.first_rows_s.begin(), result_.first_rows_s.end());
     result_.moving_tracks = moving_.size();
     for (const auto& [id, rows] : moving_) {
       if (2 * rows.wrong >= rows.all) result_.false_moving_tracks.push_back(id.value);
@@ -70,28 +77,97 @@ class PeopleEvaluation {
  private:
   struct View {
     Time since = 0.0, last = 0.0;
+    bool was_hidden = false;  ///< before, in the image's field
+  };
+  /// Somebody in view within the reach.
+  struct Arrival {
+    Time since = 0.0, last = 0.0;
+    double first_row_s = std::numeric_limits<double>::infinity();
   };
   struct MovingRows {
     std::size_t all = 0, wrong = 0;
   };
 
-  [[nodiscard]] bool isInView(const SeenObject& seen) const {
-    if (seen.visible < params_.min_visible) return false;
+  /// Whether its centre is in the image, hidden or not.
+  [[nodiscard]] bool isInField(const SeenObject& seen) const {
     const auto at = project(T_cam_robot_ * seen.object.position, camera_);
     return at && at->x() >= 0.0 && at->y() >= 0.0 && at->x() <= camera_.width - 1 &&
            at->y() <= camera_.height - 1;
+  }
+  [[nodiscard]] bool isInView(const SeenObject& seen) const {
+    return seen.visible >= params_.min_visible && isInField(seen);
+  }
+  [[nodiscard]] bool isInReach(const SeenObject& seen) const {
+    const double range = rangeOf(seen);
+    return range >= params_.min_range_m && range <= params_.max_range_m;
+  }
+  /// Whether somebody last in view at a time has left it since.
+  [[nodiscard]] bool hasLeft(Time last, Time now) const {
+    return now - last > params_.settle_s + kTimeTolerance_s;
   }
 
   /// Whether a person counts; takes note of how long he has been in view. Whoever is out of view
   /// for no longer than he must be in view has not left it.
   bool counts(const SeenObject& seen, Time time) {
-    if (!isInView(seen)) return false;
-    auto [view, is_new] = views_.try_emplace(seen.object.id, View{time, time});
-    if (time - view->second.last > params_.settle_s + kTimeTolerance_s) view->second.since = time;
+    const TrackId id = seen.object.id;
+    if (!isInView(seen)) {
+      if (isInField(seen)) hidden_at_[id] = time;
+      return false;
+    }
+    auto [view, is_new] = views_.try_emplace(id, View{time, time});
+    if (is_new || hasLeft(view->second.last, time)) {
+      const auto hidden = hidden_at_.find(id);
+      view->second.since = time;
+      view->second.was_hidden = hidden != hidden_at_.end() && !hasLeft(hidden->second, time);
+    }
     view->second.last = time;
-    const double range = rangeOf(seen);
-    return time - view->second.since > params_.settle_s - kTimeTolerance_s &&
-           range >= params_.min_range_m && range <= params_.max_range_m;
+    return time - view->second.since > params_.settle_s - kTimeTolerance_s && isInReach(seen);
+  }
+
+  /// Takes note of when whoever comes into view within the reach is first found.
+  void noteArrival(const SeenObject& seen, const Track* row, Time time) {
+    if (!isInView(seen) || !isInReach(seen)) return;
+    auto [entry, is_new] = arrivals_.try_emplace(seen.object.id, Arrival{time, time});
+    Arrival& arrival = entry->second;
+    if (!is_new && hasLeft(arrival.last, time)) {
+      end(arrival);
+      arrival = {time, time};
+    }
+    arrival.last = time;
+    if (row != nullptr) arrival.first_row_s = std::min(arrival.first_row_s, time - arrival.since);
+  }
+
+  void end(const Arrival& arrival) {
+    const bool stays = arrival.last - arrival.since > params_.stay_s - kTimeTolerance_s;
+    if (stays || std::isfinite(arrival.first_row_s)) {
+      result_.first_rows_s.push_back(arrival.first_row_s);
+    }
+  }
+
+  [[nodiscard]] std::vector<const char*> waysOf(const SeenObject& seen,
+                                                const std::vector<const SeenObject*>& people,
+                                                const PeopleFrame& frame) const {
+    std::vector<const char*> ways;
+    const Track& person = seen.object;
+    const Eigen::Vector2d to_camera =
+        (camera_.T_robot_cam.translation() - person.position).head<2>().normalized();
+    const double angle =
+        std::acos(std::clamp(to_camera.dot(person.velocity.head<2>().normalized()), -1.0, 1.0));
+    if (angle < params_.head_on_rad) ways.push_back("head-on");
+    if (angle > M_PI - params_.head_on_rad) ways.push_back("leaving");
+    if (angle > params_.crossing_rad && angle < M_PI - params_.crossing_rad)
+      ways.push_back("crossing");
+    const auto walks_along = [&](const SeenObject* other) {
+      return other != &seen && isMoving(other->object) &&
+             groundDistance(other->object.position, person.position) < params_.group_m;
+    };
+    if (std::any_of(people.begin(), people.end(), walks_along)) ways.push_back("in a group");
+    const View& view = views_.at(person.id);
+    if (view.was_hidden && frame.time - view.since < params_.stay_s) {
+      ways.push_back("from behind something");
+    }
+    if (std::abs(frame.turn_radps) > params_.turning_radps) ways.push_back("robot turns");
+    return ways;
   }
 
   [[nodiscard]] double rangeOf(const SeenObject& seen) const {
@@ -120,12 +196,15 @@ class PeopleEvaluation {
 
   void countPerson(const SeenObject& seen, const Track* row) {
     auto& ranges = isMoving(seen.object) ? result_.walking : result_.standing;
-    for (auto* cell : {&result_.all, &ranges[bandOf(rangeOf(seen))]}) {
-      ++cell->persons;
-      if (row == nullptr) continue;
-      ++cell->found;
-      if (isPerson(row->object_class)) ++cell->found_as_person;
-    }
+    count(row, result_.all);
+    count(row, ranges[bandOf(rangeOf(seen))]);
+  }
+
+  static void count(const Track* row, PersonFrames& cell) {
+    ++cell.persons;
+    if (row == nullptr) return;
+    ++cell.found;
+    if (isPerson(row->object_class)) ++cell.found_as_person;
   }
 
   void countRow(const Track& row, const std::vector<SeenObject>& truth,
@@ -154,6 +233,8 @@ class PeopleEvaluation {
   Pose T_cam_robot_;
   const PeopleErrorParams& params_;
   std::map<TrackId, View> views_;
+  std::map<TrackId, Time> hidden_at_;
+  std::map<TrackId, Arrival> arrivals_;
   std::map<TrackId, MovingRows> moving_;
   PeopleError result_;
 };
@@ -166,6 +247,12 @@ Json jsonOf(const PersonFrames& cell) {
           {"interval_95", interval ? Json(*interval) : Json(nullptr)},
           {"found_as_person", cell.found_as_person},
           {"as_person_ratio", orNull(cell.personRatio())}};
+}
+
+Json jsonOf(const std::vector<double>& times_s) {
+  Json json = Json::array();
+  for (const double time_s : times_s) json.push_back(std::isfinite(time_s) ? Json(time_s) : Json());
+  return json;
 }
 
 Json jsonOf(const std::map<std::string, PersonFrames>& ranges) {
@@ -196,6 +283,16 @@ std::optional<double> PeopleError::personRowsRatio() const {
 std::optional<double> PeopleError::falseTracksPer10Min() const {
   if (!(duration_s > 0.0)) return std::nullopt;
   return 600.0 * static_cast<double>(false_moving_tracks.size()) / duration_s;
+}
+
+std::optional<double> PeopleError::withinASecondRatio() const {
+  const auto later = std::upper_bound(first_rows_s.begin(), first_rows_s.end(), 1.0);
+  return ratioOf(static_cast<std::size_t>(later - first_rows_s.begin()), first_rows_s.size());
+}
+std::optional<double> PeopleError::medianFirstRow_s() const {
+  if (first_rows_s.empty()) return std::nullopt;
+  const double median_s = first_rows_s[first_rows_s.size() / 2];
+  return std::isfinite(median_s) ? std::optional(median_s) : std::nullopt;
 }
 
 PeopleError peopleError(const std::vector<PeopleFrame>& frames, const StereoCamera& camera,
@@ -232,6 +329,10 @@ PeopleError evaluatePeople(const fs::path& truth, const fs::path& replay, double
   std::vector<PeopleFrame> frames(end - first);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     frames[i].time = true_poses[first + i].time;
+    if (i == 0) continue;
+    const Pose step =
+        true_poses[first + i - 1].value.inverse(Eigen::Isometry) * true_poses[first + i].value;
+    frames[i].turn_radps = yawOf(step) / (frames[i].time - frames[i - 1].time);
   }
   const auto frameOf = [&](std::size_t index) -> PeopleFrame* {
     return index >= first && index < end ? &frames[index - first] : nullptr;
@@ -268,6 +369,8 @@ Json toJson(const PeopleError& error) {
           {"all", jsonOf(error.all)},
           {"walking", jsonOf(error.walking)},
           {"standing", jsonOf(error.standing)},
+          {"ways", jsonOf(error.ways)},
+          {"first_rows_s", jsonOf(error.first_rows_s)},
           {"rows", error.rows},
           {"rows_without_pose", error.rows_without_pose},
           {"false_rows", error.false_rows},
@@ -293,6 +396,7 @@ plot::TextTable tableOf(const PeopleError& error) {
   };
   for (const auto& [name, cell] : error.walking) add("walking, " + name + " m", cell);
   for (const auto& [name, cell] : error.standing) add("standing, " + name + " m", cell);
+  for (const auto& [name, cell] : error.ways) add("walking, " + name, cell);
   add("all, to " + plot::fixedText(error.max_range_m, 1) + " m", error.all);
   return table;
 }
