@@ -23,7 +23,7 @@ constexpr double kRoom_m = 0.8;       // to the robot's middle; more is worth no
 constexpr double kLeaving_m = 0.35;   // whoever is that near is left anyhow
 constexpr float kCrowded = 2.0F;      // added cost without room: a detour thrice as long
 constexpr float kOffCourse = 1.0F;    // added cost a metre beside the course
-constexpr double kOffCourse_m = 2.0;  // at most
+constexpr double kOffCourse_m = 2.0;  // at most; farther off it waits until the way is free
 constexpr float kKept = 0.6F;         // ratio of the cost of the last way
 constexpr double kKept_m = 0.3;       // on both sides of it
 constexpr float kAsGood = 1.2F;       // ratio of the cost of a straight line to the way's
@@ -101,12 +101,13 @@ cv::Mat1f Guide::costs(const std::vector<Vector2d>& obstacles) const {
   const cv::Mat1f room = distances(free), off_course = distancesTo(course_);
   cv::Mat1f cost(kGuideSize, kGuideSize, kNoWay);
   const double needed = half_width_ + kGap_m;
+  const double farthest = std::max<double>(kOffCourse_m, off_course(kRobotCell));
   for (int y = 0; y < kGuideSize; ++y) {
     for (int x = 0; x < kGuideSize; ++x) {
       const cv::Point cell(x, y);
       const bool leaves = kGuideCell_m * lengthOf(cell - kRobotCell) < kLeaving_m;
       const double here = room(cell);
-      if (here < needed && !leaves) continue;
+      if (!leaves && (here < needed || off_course(cell) > farthest)) continue;
       const auto crowded =
           static_cast<float>(std::clamp((kRoom_m - here) / (kRoom_m - needed), 0.0, 1.0));
       const auto off = static_cast<float>(std::min<double>(off_course(cell), kOffCourse_m));

@@ -14,8 +14,9 @@ namespace headway::app {
 ///
 /// A reactive navigator alone stops before a group of people that it could go round. The way is the
 /// cheapest over a window of cells of 0.1 m, 5 m to each side: it keeps 0.6 m from obstacles where
-/// it can, and returns to the course, since walls that are not seen yet are not crossed there. The
-/// way of before is preferred: what closed another one may be out of view, but still there.
+/// it can, and returns to the course, since walls that are not seen yet are not crossed there. It
+/// leaves the course by 2 m at most: who is in the way farther than that is waited for. The way of
+/// before is preferred: what closed another one may be out of view, but still there.
 /// Without any way the target is the next place of the course.
 ///
 /// @see  Dijkstra 1959, "A note on two problems in connexion with graphs"

@@ -90,5 +90,24 @@ TEST(GuideTest, WaitsBeforeAClosedDoor) {
   EXPECT_EQ(Vector2d(1.0, 0.0), guide.lead({0.0, 0.0}, room));
 }
 
+/// A corridor from which a door leads into a room beside it, and a second one back.
+TEST(GuideTest, WaitsForPeopleInACorridorInsteadOfTheWayThroughARoom) {
+  Guide guide(courseThrough({{0, 0}, {12, 0}}), kWidth_m);
+  Places walls;
+  addWall({-3.0, -1.2}, {8.0, -1.2}, walls);
+  addWall({-3.0, 1.2}, {0.5, 1.2}, walls);
+  addWall({1.8, 1.2}, {3.0, 1.2}, walls);
+  addWall({4.3, 1.2}, {8.0, 1.2}, walls);
+  Places people = walls;
+  addWall({2.4, -1.2}, {2.4, 2.3}, people);  // into the room, so that the way round is 3 m off
+  const Vector2d waiting = guide.lead({0.0, 0.0}, people);
+  EXPECT_LT(std::abs(waiting.y()), 0.3) << waiting.transpose();
+  EXPECT_LT(waiting.x(), 2.4);
+  EXPECT_LT((guide.lead({1.0, 0.0}, walls) - Vector2d(5.0, 0.0)).norm(), 1e-6) << "they have left";
+  // Who is in the room all the same finds back.
+  const Vector2d back = guide.lead({1.2, 3.0}, walls);
+  EXPECT_LT(back.y(), 2.8) << back.transpose();
+}
+
 }  // namespace
 }  // namespace headway::app
