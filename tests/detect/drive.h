@@ -13,7 +13,7 @@ namespace headway::detect::test {
 
 using namespace headway::test;
 
-constexpr double kFrameStep = 0.1;  ///< between frames [s]
+constexpr double kFrameStep = 0.1;          ///< between frames [s]
 const Eigen::Vector3d kUp(0.0, -1.0, 0.0);  ///< of a level camera
 
 inline StereoCamera testCamera() {
@@ -34,14 +34,16 @@ struct Drive {
   std::mt19937 random{3};
 
   std::vector<Observation> see(const Eigen::Vector3d& start, const Eigen::Vector3d& velocity,
-                               double noise_px, double offset_px = 0.0, double speed = 10.0) {
+                               double noise_px, double offset_px = 0.0, double speed = 10.0,
+                               const Eigen::Vector3d& acceleration = Eigen::Vector3d::Zero()) {
     std::normal_distribution<double> noise;
     std::vector<Observation> observations;
     for (int i = 0; i < 7; ++i) {
       Pose T_map_cam = Pose::Identity();
       T_map_cam.translation().z() = speed * kFrameStep * i;
       if (path.newest() < i) path.advance(kFrameStep * i, T_map_cam);
-      const Eigen::Vector3d point = start + kFrameStep * i * velocity;
+      const double t = kFrameStep * i;
+      const Eigen::Vector3d point = start + t * velocity + 0.5 * t * t * acceleration;
       Eigen::Vector3d uvd = *project(T_map_cam.inverse() * point, camera);
       for (int k = 0; k < 3; ++k) uvd[k] += noise_px * noise(random);
       uvd.z() += offset_px;

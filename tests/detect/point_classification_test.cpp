@@ -14,10 +14,11 @@ PointTrack fitted(const Eigen::Vector3d& velocity, double static_fit, double mov
                   double sigma = 0.1) {
   PointMotion motion;
   motion.observations = kSightings;
-  motion.velocity = velocity;
-  motion.velocity_covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+  motion.velocity = motion.steady_velocity = velocity;
+  motion.velocity_covariance = motion.steady_covariance =
+      sigma * sigma * Eigen::Matrix3d::Identity();
   motion.static_error = static_fit * 3.0 * (kSightings - 1);
-  motion.moving_error = moving_fit * (3.0 * (kSightings - 2) + 1.0);
+  motion.moving_error = motion.accelerated_error = moving_fit * (3.0 * (kSightings - 2) + 1.0);
   PointTrack track;
   track.motion = motion;
   return track;

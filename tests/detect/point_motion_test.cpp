@@ -27,6 +27,25 @@ TEST(FitMotionTest, RecoversAVelocityWithinItsOwnUncertainty) {
   EXPECT_GT(within, 85);
 }
 
+/// A van beside the camera that turns and brakes: the bend of its path over the image is no motion
+/// along the line of sight.
+TEST(FitMotionTest, AnAccelerationIsNoMotionAlongTheLineOfSight) {
+  Drive drive;
+  const Eigen::Vector3d start(6.0, 0.0, 20.0), first(4.5, 0.0, 3.5), acceleration(-1.5, 0.0, 0.5);
+  const Eigen::Vector3d last = first + 6.0 * test::kFrameStep * acceleration;
+  Eigen::Vector3d off = Eigen::Vector3d::Zero(), steady_off = off;
+  for (int i = 0; i < 100; ++i) {
+    const auto observations = drive.see(start, first, 0.4, 0.0, 4.0, acceleration);
+    const auto motion = fitMotion(observations, drive.path, drive.camera, {}, 30.0);
+    ASSERT_TRUE(motion);
+    EXPECT_LT(motion->movingFit(), kGoodFit);
+    off += 0.01 * (motion->velocity - last);
+    steady_off += 0.01 * (motion->steady_velocity - last);
+  }
+  EXPECT_LT(off.norm(), 0.35) << off.transpose();
+  EXPECT_GT(steady_off.norm(), 3.0 * off.norm()) << steady_off.transpose();
+}
+
 TEST(FitMotionTest, AStillPointsLikelihoodRatioIsChiSquare) {
   Drive drive;
   double sum = 0.0;

@@ -66,15 +66,15 @@ std::map<Patch, PatchMotion> patchesOf(const std::vector<PointTrack>& points,
     const Eigen::Vector3d& uvd = point.observations.back().uvd;
     const Eigen::Vector3d ray = rayInWorld(uvd, path, camera);
     const double px_per_m = uvd.z() * uvd.z() / (camera.fx * camera.baseline_m);
-    const double scale = std::max(noise_scale * noise_scale, point.motion->movingFit());
-    const double variance = scale * ray.dot(point.motion->velocity_covariance * ray);
+    const double scale = std::max(noise_scale * noise_scale, point.motion->steadyFit());
+    const double variance = scale * ray.dot(point.motion->steady_covariance * ray);
     const double information = 1.0 / (px_per_m * px_per_m * variance);
     PatchMotion& patch = patches[patchOf(uvd, camera)];
     ++patch.points;
     patch.disparity = uvd.z();
     patch.span_s = std::max(patch.span_s, span_s);
     patch.information += information;
-    patch.sum += information * px_per_m * ray.dot(point.motion->velocity);
+    patch.sum += information * px_per_m * ray.dot(point.motion->steady_velocity);
   }
   return patches;
 }

@@ -3,6 +3,7 @@
 // class.
 #include "point_motion.h"
 
+#include <headway/core/statistics.h>
 #include <headway/stereo/rectification.h>
 #include <headway/stereo/stereo_residual.h>
 
@@ -14,7 +15,6 @@ namespace headway::detect {
 namespace {
 
 constexpr double kMinDepth = 0.5;  // [m]
-
 // Measured less predicted, and d predicted / d point in the world; both in sigmas.
 struct Residual {
   Eigen::Vector3d error;
@@ -24,28 +24,32 @@ struct Residual {
 class Residuals {
  public:
   Residuals(const CameraPath& path, const StereoCamera& camera, const ObservationNoise& noise)
-      : path_(path),
-        camera_(camera),
-        weights_(1.0 / noise.u, 1.0 / noise.v, 1.0 / noise.disparity) {}
+      : path_(path), camera_(camera), noise_(noise) {}
 
+  /// @param sigma_m  of the place where the point is expected at that time
   [[nodiscard]] std::optional<Residual> of(const Observation& observation,
-                                           const Eigen::Vector3d& point) const {
+                                           const Eigen::Vector3d& point,
+                                           double sigma_m = 0.0) const {
     const Pose& T_cam_world = path_.T_cam_world(observation.frame);
     const Eigen::Vector3d p = T_cam_world * point;
     if (p.z() < kMinDepth) return std::nullopt;
+    const double px = camera_.fx * sigma_m / p.z();
+    const Eigen::Vector3d weights(
+        1.0 / std::hypot(noise_.u, px), 1.0 / std::hypot(noise_.v, px),
+        1.0 / std::hypot(noise_.disparity, px * camera_.baseline_m / p.z()));
     Residual residual;
     residual.error =
-        -stereo::stereoResidual(p, observation.uvd, weights_, camera_, &residual.jacobian);
+        -stereo::stereoResidual(p, observation.uvd, weights, camera_, &residual.jacobian);
     residual.jacobian *= T_cam_world.linear();
     return residual;
   }
 
-  [[nodiscard]] double disparityWeight() const { return weights_.z(); }
+  [[nodiscard]] double disparityWeight() const { return 1.0 / noise_.disparity; }
 
  private:
   const CameraPath& path_;
   const StereoCamera& camera_;
-  Eigen::Vector3d weights_;
+  const ObservationNoise& noise_;
 };
 
 bool fitStatic(const std::vector<Observation>& observations, const Residuals& residuals,
@@ -79,8 +83,13 @@ bool fitStatic(const std::vector<Observation>& observations, const Residuals& re
   return motion.static_point.allFinite();
 }
 
+/// A point that moves at constant velocity, but for an acceleration.
+///
+/// @param acceleration_mps2  standard deviation; what it adds to the noise of older observations is
+///                           taken for independent
 bool fitMoving(const std::vector<Observation>& observations, const CameraPath& path,
-               const Residuals& residuals, double speed_prior, PointMotion& motion) {
+               const Residuals& residuals, double speed_prior, double acceleration_mps2,
+               PointMotion& motion) {
   const Time now = path.timeOf(path.newest());
   const double prior = 1.0 / (speed_prior * speed_prior);
   for (int iteration = 0; iteration < 4; ++iteration) {
@@ -88,10 +97,11 @@ bool fitMoving(const std::vector<Observation>& observations, const CameraPath& p
     Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
     A.bottomRightCorner<3, 3>().diagonal().setConstant(prior);
     b.tail<3>() = -prior * motion.velocity;
-    motion.moving_error = prior * motion.velocity.squaredNorm();
+    motion.accelerated_error = prior * motion.velocity.squaredNorm();
     for (const auto& observation : observations) {
       const double t = path.timeOf(observation.frame) - now;
-      const auto residual = residuals.of(observation, motion.point + t * motion.velocity);
+      const auto residual = residuals.of(observation, motion.point + t * motion.velocity,
+                                         0.5 * acceleration_mps2 * t * t);
       if (!residual) return false;
       const Eigen::Matrix3d JJ = residual->jacobian.transpose() * residual->jacobian;
       const Eigen::Vector3d Je = residual->jacobian.transpose() * residual->error;
@@ -101,7 +111,7 @@ bool fitMoving(const std::vector<Observation>& observations, const CameraPath& p
       A.bottomRightCorner<3, 3>() += t * t * JJ;
       b.head<3>() += Je;
       b.tail<3>() += t * Je;
-      motion.moving_error += residual->error.squaredNorm();
+      motion.accelerated_error += residual->error.squaredNorm();
     }
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(A);
     if (iteration < 3) {
@@ -138,7 +148,16 @@ std::optional<PointMotion> fitMotion(const std::vector<Observation>& observation
   motion.point = motion.static_point;
   const Residuals residuals(path, camera, noise);
   if (!fitStatic(observations, residuals, motion)) return std::nullopt;
-  if (!fitMoving(observations, path, residuals, speed_prior, motion)) return std::nullopt;
+  if (!fitMoving(observations, path, residuals, speed_prior, 0.0, motion)) return std::nullopt;
+  motion.moving_error = motion.accelerated_error;
+  motion.steady_velocity = motion.velocity;
+  motion.steady_covariance = motion.velocity_covariance;
+  const bool stands =
+      motion.staticFit() < kGoodFit && motion.static_error - motion.moving_error < chiSquare99(3);
+  if (stands) return motion;
+  if (!fitMoving(observations, path, residuals, speed_prior, noise.acceleration_mps2, motion)) {
+    return std::nullopt;
+  }
   return motion;
 }
 
@@ -151,12 +170,13 @@ PointClass classifyPoint(const PointTrack& point, const Eigen::Vector3d& up,
   const double static_fit = motion.staticFit();
   const double moving_fit = motion.movingFit();
   if (moving_fit > kBadFit && static_fit > kBadFit) return PointClass::kMismatch;
-  const Eigen::Vector3d along_ground = overGround(motion.velocity, up);
-  const double speed = along_ground.norm();
-  const Eigen::Vector3d direction = along_ground / std::max(1e-9, speed);
-  const double sigma = std::sqrt(direction.dot(motion.velocity_covariance * direction));
-  const bool significant = motion.static_error - motion.moving_error > params.significance &&
-                           speed > params.speed_sigmas * sigma;
+  const Eigen::Vector3d steady = overGround(motion.steady_velocity, up);
+  const Eigen::Vector3d velocity = overGround(motion.velocity, up);
+  const double speed = velocity.norm();
+  const bool significant =
+      motion.static_error - motion.moving_error > params.significance &&
+      steady.norm() > params.speed_sigmas * sigmaAlong(steady, motion.steady_covariance) &&
+      square(speed / sigmaAlong(velocity, motion.velocity_covariance)) > chiSquare99(1);
   const bool possible =
       speed > params.min_speed && speed < params.max_speed && motion.velocity.norm() < 2.0 * speed;
   if (significant && possible && moving_fit < kGoodFit) return PointClass::kMoving;

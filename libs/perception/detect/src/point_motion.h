@@ -42,14 +42,15 @@ struct Observation {
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< left u, left v, disparity [px]
 };
 
-/// Standard deviations of an observation.
+/// Standard deviations of an observation, and of what it shows.
 struct ObservationNoise {
-  double u = 0.4;          ///< [px]
-  double v = 0.4;          ///< [px]
-  double disparity = 0.4;  ///< [px]
+  double u = 0.4;                  ///< [px]
+  double v = 0.4;                  ///< [px]
+  double disparity = 0.4;          ///< [px]
+  double acceleration_mps2 = 1.0;  ///< of people and vehicles, typical
 };
 
-/// A point fitted to its observations twice: as static, and at constant velocity.
+/// A point fitted to its observations as static, at constant velocity, and with an acceleration.
 struct PointMotion {
   Eigen::Vector3d static_point = Eigen::Vector3d::Zero();  ///< world of the path [m]
   double static_error = 0.0;        ///< squared error of the static point, in sigmas squared
@@ -58,7 +59,10 @@ struct PointMotion {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();     ///< in the newest frame, if it moves [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
-  double moving_error = 0.0;  ///< squared error of the moving point and of its prior
+  double accelerated_error = 0.0;  ///< squared error of the moving point and of its prior
+  Eigen::Vector3d steady_velocity = Eigen::Vector3d::Zero();        ///< without acceleration [m/s]
+  Eigen::Matrix3d steady_covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
+  double moving_error = 0.0;  ///< of the steady one; noise as of the static point
   int observations = 0;       ///< that it was fitted to
 
   /// Squared errors to a degree of freedom: 1 where the hypothesis and the noise are right.
@@ -66,17 +70,26 @@ struct PointMotion {
   [[nodiscard]] stereo::OffsetEvidence offsetEvidence() const {
     return {offset_information, offset_gradient, staticFit()};
   }
-  [[nodiscard]] double movingFit() const { return moving_error / (3.0 * (observations - 2) + 1.0); }
+  [[nodiscard]] double movingFit() const { return fitOf(accelerated_error); }
+  [[nodiscard]] double steadyFit() const { return fitOf(moving_error); }
+
+ private:
+  [[nodiscard]] double fitOf(double error) const {
+    return error / (3.0 * (observations - 2) + 1.0);
+  }
 };
 
 /// The observations from a frame on.
 [[nodiscard]] std::vector<Observation> since(int frame,
                                              const std::vector<Observation>& observations);
 
-/// Fits both hypotheses to the observations of one point, by errors in the image.
+/// Fits these hypotheses to the observations of one point, by errors in the image.
 ///
-/// The difference of the errors is the likelihood ratio of "moving" against "static": chi-square
-/// with 3 degrees of freedom for a static point.
+/// The difference of the static error and the moving one is the likelihood ratio of "moving"
+/// against "static": chi-square with 3 degrees of freedom for a static point. What moves
+/// accelerates: the bend of its path over the image would pass for a motion along the line of
+/// sight, so that velocity and point are those of a fit whose noise grows with the age of an
+/// observation, unless the point may stand.
 ///
 /// @param observations       ascending frames of the path; velocity and point are of its newest
 /// @param speed_prior     standard deviation of speeds [m/s]; regularises short tracks
