@@ -144,7 +144,7 @@ TEST(PeopleErrorTest, StatesHowLongWhoComesIntoViewHasNoRow) {
 
   auto short_look = walk(0.0, 3.0);
   short_look.resize(8);
-  EXPECT_TRUE(peopleErrorOf(short_look).first_rows_s.empty()) << "nobody stays";
+  EXPECT_TRUE(peopleErrorOf(short_look).first_rows_s.empty()) << "in view for 0.7 s alone";
 }
 
 TEST(PeopleErrorTest, CountsPersonFramesFromWhenTheyHaveBeenInViewForAWhile) {

@@ -15,6 +15,7 @@ namespace headway::detect {
 namespace {
 
 constexpr double kMinDepth = 0.5;  // [m]
+
 // Measured less predicted, and d predicted / d point in the world; both in sigmas.
 struct Residual {
   Eigen::Vector3d error;
