@@ -258,7 +258,7 @@ bool parsePredictions(PredictionsOptions& options, int argc, const char** argv) 
               "Predictor, one of the values of objects.predictor");
   line.flag(options.coverage, 0, "coverage",
             "Also print errors and the ratio of true positions in the 90 % ellipse by sequence, "
-            "class, speed and range");
+            "class, speed, range, and whether they stand, go straight on or turn");
   line.option(options.files.extrinsic, 0, "extrinsic", "FILE",
               "calibration.yaml with T_robot_cam; default: robot axes at the camera");
   line.parameters(params);

@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Measures what small rigs see in the worlds for robots, by images alone: moving objects, the occupancy grid, and people.
+# Measures what small rigs see in the worlds for robots, by images alone: moving objects, the occupancy grid, people, and
+# how often they are where they were predicted, by images and by recorded boxes.
 #   [SEEDS="11 12 13"] [FRAMES=120] tests/bench/robots.sh [OUT]
 # OUT (default out/robots) contains rawlogs and results; existing rawlogs are reused.
 set -euo pipefail
@@ -81,4 +82,29 @@ echo "| rig | head-on | crossing | leaving | in a group | from behind something 
 echo "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
 for rig in robot small rgbd; do
   python3 tests/bench/robots_people.py --ways $rig $(for w in yard-loop hall campus warehouse; do figures $w $rig people; done)
+done
+
+# predicted NAME RESULTS KIND: how the predictions of RESULTS came true; no figures if nobody is followed for 3 s
+predicted() {
+  $bin/headway-eval predictions -q -w --truth "$out/$1.truth/label_02.txt" --poses "$out/$1.truth/trajectory.tum" \
+    --extrinsic "$out/$1.truth/calibration.yaml" --estimate "$out/$2/predictions.csv" --json "$out/$1.$3.json" \
+    2> /dev/null || rm -f "$out/$1.$3.json"
+}
+
+echo
+echo "True positions of people in the 90 % ellipses of their predictions at 1 / 2 / 3 s, % (predictions)"
+echo "| world, rig, by | straight on | turns | stands |"
+echo "| --- | ---: | ---: | ---: |"
+for world in yard-loop hall campus warehouse; do
+  for rig in robot small rgbd; do
+    for seed in $seeds; do
+      name=$world-$rig-$seed
+      $bin/headway-replay -q -w -i "$out/$name.rawlog" -o "$out/$name-boxes" --snapshots 0
+      predicted "$name" "$name" by_images
+      predicted "$name" "$name-boxes" by_boxes
+    done
+    for by in images boxes; do
+      python3 tests/bench/robots_ellipses.py "$world, $rig, $by" $(ls $(figures $world $rig by_$by) 2> /dev/null)
+    done
+  done
 done

@@ -115,6 +115,25 @@ TEST_F(PredictionsCommandTest, CoverageBySequenceClassSpeedAndRange) {
   EXPECT_EQ(3, groups.at("Car, 4.0 to 8.0 m/s").at("cases"));
   EXPECT_EQ(2, groups.at("Car, 20.0 to 30.0 m").at("cases"));
   EXPECT_EQ(1, groups.at("Car, 30.0 to 50.0 m").at("cases"));
+  EXPECT_EQ(3, groups.at("Car, straight on").at("cases"));
+}
+
+TEST_F(PredictionsCommandTest, CoverageOfWhoStandsAndWhoTurns) {
+  std::ostringstream rows;  // one stands, one walks ahead and, from frame 40 on, to the right
+  for (int k = 0; k < 80; ++k) {
+    const std::string person = " Pedestrian 0 0 0 100 100 200 160 1.7 0.6 0.6 ";
+    rows << k << " 4" << person << "-1 1.6 10 0\n"
+         << k << " 5" << person << 1 + 0.1 * std::max(0, k - 40) << " 1.6 "
+         << 10 + 0.1 * std::min(40, k) << " 0\n";
+  }
+  const std::string out = folder_ / "p.json";
+  const auto result = run(file("a.txt", rows.str()), file("k.txt", kittiPoses(80)),
+                          "--predictor constant_velocity --json " + out);
+  EXPECT_EQ(0, result.status) << result.error;
+  const auto groups = nlohmann::json::parse(contentOf(out)).at("groups");
+  EXPECT_EQ(30, groups.at("Pedestrian, stands").at("cases"));
+  EXPECT_EQ(16, groups.at("Pedestrian, turns").at("cases")) << "frames 20 to 35";
+  EXPECT_EQ(14, groups.at("Pedestrian, straight on").at("cases"));
 }
 
 TEST_F(PredictionsCommandTest, FileErrorsAreOneLine) {

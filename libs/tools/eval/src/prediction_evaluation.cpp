@@ -178,41 +178,66 @@ struct Intervals {
     return static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), value) -
                                     limits.begin());
   }
-  [[nodiscard]] std::string name(std::size_t index) const {
+  [[nodiscard]] std::vector<std::string> names() const {
     const auto text = [&](std::size_t i) { return plot::fixedText(limits[i], 1); };
-    if (index == 0) return "below " + text(0) + " " + unit;
-    if (index == limits.size()) return "from " + text(index - 1) + " " + unit;
-    return text(index - 1) + " to " + text(index) + " " + unit;
+    std::vector<std::string> result = {"below " + text(0) + " " + unit};
+    for (std::size_t i = 1; i < limits.size(); ++i) {
+      result.push_back(text(i - 1) + " to " + text(i) + " " + unit);
+    }
+    result.push_back("from " + text(limits.size() - 1) + " " + unit);
+    return result;
   }
 };
+const Intervals kSpeeds{{0.5, 2.0, 4.0, 8.0, 16.0}, "m/s"};
+const Intervals kRanges{{10.0, 20.0, 30.0, 50.0}, "m"};
+constexpr std::size_t kSecond = 9;  // index of 1.0 s
 
-/// Cases of each class by one quantity.
-class CasesByQuantity {
+/// How an object goes on, by its truth.
+enum Course : std::size_t { kStands, kStraightOn, kTurns };
+const std::vector<std::string> kCourses = {"stands", "straight on", "turns"};
+
+/// True speed over the first second after the prediction [m/s].
+double speedOf(const HorizonPath& future) {
+  return (future[kSecond] - future.front()).norm() / (kHorizonStep_s * kSecond);
+}
+
+/// By the ways in the half seconds before and after; a place before it appeared is not known.
+Course courseOf(const TrueObject& object, Time now, const HorizonPath& future) {
+  constexpr std::size_t kHalfSecond = 4;  // index of 0.5 s
+  constexpr double kHalf_s = 0.5, kMaxGap_s = 0.5;
+  constexpr double kWalking_mps = 0.3;  // slower: weight is shifted from foot to foot
+  constexpr double kTurn_rad = 0.35;    // 40 degrees a second
+  const auto before = object.positionAt(now - kHalf_s, kMaxGap_s);
+  const auto here = object.positionAt(now, kMaxGap_s);
+  if (!before || !here) return speedOf(future) < kWalking_mps ? kStands : kStraightOn;
+  const Eigen::Vector2d to = (*here - *before).head<2>();
+  const Eigen::Vector2d on = future[kHalfSecond] - here->head<2>();
+  if (to.norm() + on.norm() < 2.0 * kHalf_s * kWalking_mps) return kStands;
+  const double cross = to.x() * on.y() - to.y() * on.x();
+  return std::abs(std::atan2(cross, to.dot(on))) > kTurn_rad ? kTurns : kStraightOn;
+}
+
+/// Cases of each class in named groups.
+class GroupedCases {
  public:
-  explicit CasesByQuantity(Intervals intervals) : intervals_(std::move(intervals)) {}
+  explicit GroupedCases(std::vector<std::string> names) : names_(std::move(names)) {}
 
-  void add(ObjectClass object_class, double value, const std::vector<PredictedPath>& paths,
+  void add(ObjectClass object_class, std::size_t group, const std::vector<PredictedPath>& paths,
            const HorizonPath& future) {
-    cases_[{object_class, intervals_.of(value)}].add(object_class, paths, future);
+    cases_[{object_class, group}].add(object_class, paths, future);
   }
 
   void appendTo(std::vector<PredictionGroup>& groups) const {
     for (const auto& [key, evaluator] : cases_) {
-      groups.push_back({std::string(toString(key.first)) + ", " + intervals_.name(key.second),
-                        evaluator.errors()});
+      groups.push_back(
+          {std::string(toString(key.first)) + ", " + names_[key.second], evaluator.errors()});
     }
   }
 
  private:
-  Intervals intervals_;
+  std::vector<std::string> names_;
   std::map<std::pair<ObjectClass, std::size_t>, PredictionEvaluator> cases_;
 };
-
-/// True speed over the first second after the prediction [m/s].
-double speedOf(const HorizonPath& future) {
-  constexpr std::size_t kSecond = 9;  // index of 1.0 s
-  return (future[kSecond] - future.front()).norm() / (kHorizonStep_s * kSecond);
-}
 
 /// Collects the cases of consecutive sequences.
 class CaseCollector {
@@ -224,13 +249,14 @@ class CaseCollector {
     drawn_.clear();
   }
 
-  void add(ObjectClass object_class, std::size_t object, std::size_t frame,
+  void add(ObjectClass object_class, Course course, std::size_t object, std::size_t frame,
            const Eigen::Vector3d& now, const std::vector<PredictedPath>& paths,
            const HorizonPath& future, const Pose& T_map_cam) {
     sequence_.add(object_class, paths, future);
-    by_speed_.add(object_class, speedOf(future), paths, future);
+    by_speed_.add(object_class, kSpeeds.of(speedOf(future)), paths, future);
     const double range = (T_map_cam.translation().head<2>() - future.front()).norm();
-    by_range_.add(object_class, range, paths, future);
+    by_range_.add(object_class, kRanges.of(range), paths, future);
+    by_course_.add(object_class, course, paths, future);
     const bool moves = (paths.front().points.back().position - now).norm() > kDrawing.min_length_m;
     if (moves && frame % kDrawing.every == 0) drawn_.push_back({object, now.head<2>(), paths});
   }
@@ -251,6 +277,7 @@ class CaseCollector {
     result_.evaluator = all_;
     by_speed_.appendTo(result_.groups);
     by_range_.appendTo(result_.groups);
+    by_course_.appendTo(result_.groups);
     return std::move(result_);
   }
 
@@ -258,8 +285,9 @@ class CaseCollector {
   EvaluatedPredictor result_;
   PredictionEvaluator all_;
   PredictionEvaluator sequence_;
-  CasesByQuantity by_speed_{Intervals{{0.5, 2.0, 4.0, 8.0, 16.0}, "m/s"}};
-  CasesByQuantity by_range_{Intervals{{10.0, 20.0, 30.0, 50.0}, "m"}};
+  GroupedCases by_speed_{kSpeeds.names()};
+  GroupedCases by_range_{kRanges.names()};
+  GroupedCases by_course_{kCourses};
   std::vector<DrawnPrediction> drawn_;
   std::size_t max_cases_ = 0;
 };
@@ -279,7 +307,8 @@ EvaluatedPredictor evaluatePredictor(const std::vector<PredictionSequence>& sequ
       const auto object_class = truth[item.object].object_class;
       const auto now = item.history.back();
       predictor->predictInto({object_class, std::move(item.history)}, paths);
-      collector.add(object_class, item.object, now.frame, now.position, paths, item.future,
+      collector.add(object_class, courseOf(truth[item.object], now.time, item.future), item.object,
+                    now.frame, now.position, paths, item.future,
                     sequences[s].T_map_cam[now.frame].value);
     }
     collector.end(sequences[s].name, s);
@@ -301,8 +330,10 @@ EvaluatedPredictor evaluateEstimate(const std::vector<PredictionSequence>& seque
     for (const auto& item : found.cases) {
       const auto& prediction = predictions[item.prediction];
       const auto& first = prediction.paths.front().points.front().position;
-      collector.add(prediction.object_class, item.object, prediction.frame, first, prediction.paths,
-                    item.future, sequences[s].T_map_cam[prediction.frame].value);
+      const Course course =
+          courseOf(sequences[s].objects[item.object], prediction.time, item.future);
+      collector.add(prediction.object_class, course, item.object, prediction.frame, first,
+                    prediction.paths, item.future, sequences[s].T_map_cam[prediction.frame].value);
     }
     collector.end(sequences[s].name, s);
   }

@@ -53,7 +53,7 @@ struct EvaluatedPredictor {
   PredictionEvaluator evaluator;  ///< all cases
   PredictionErrors errors;
   std::vector<std::pair<std::string, PredictionErrors>> sequences;
-  std::vector<PredictionGroup> groups;  ///< of each class by true speed, then by range
+  std::vector<PredictionGroup> groups;  ///< of each class by true speed, range, and whether it turns
   std::vector<std::pair<std::string, std::size_t>> not_evaluated;  ///< by reason
   std::size_t drawn_sequence = 0;      ///< index of the sequence with the most cases
   std::vector<DrawnPrediction> drawn;  ///< a sample of its predictions
