@@ -62,6 +62,9 @@ TEST(MeasurementModelTest, UsesTheCovarianceOfTheDetector) {
   EXPECT_NEAR(box.covariance(0, 0), 4.0, 0.01);
   EXPECT_NEAR(box.covariance(1, 1), 0.01, 0.01);
   EXPECT_NEAR(box.vertical_variance, 0.02, 0.01);
+  EXPECT_EQ(box.shared_covariance, box.covariance);
+  EXPECT_TRUE(measure({seenCar(10.0, 0.0)}).boxes.at(0).shared_covariance.isZero())
+      << "a configured noise states nothing";
 }
 
 TEST(MeasurementModelTest, TurnsAVelocityIntoTheMap) {

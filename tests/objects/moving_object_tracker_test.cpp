@@ -514,6 +514,25 @@ Detection seenWalking(int frame) {
   return walker;
 }
 
+TEST(MovingObjectTrackerTest, AnErrorThatDetectionsShareIsNotAveragedOut) {
+  Replay stated, silent;
+  for (int k = 0; k < 30; ++k) {
+    Detection walker = seenWalking(k);  // the same part of him every time: nothing scatters
+    silent.frame({walker});
+    walker.centre_covariance = 0.0225 * Eigen::Matrix3d::Identity();
+    stated.frame({walker});
+  }
+  const auto sigmaOf = [](const Replay& replay) {
+    return std::sqrt(replay.last.tracks.at(0).position_covariance(1, 1));
+  };
+  EXPECT_NEAR(sigmaOf(stated), 0.15, 0.03);
+  EXPECT_LT(sigmaOf(silent), 0.1);
+  const auto spreadOf = [](const Replay& replay) {
+    return replay.last.tracks.at(0).predictions.at(0).points.at(9).covariance.trace();
+  };
+  EXPECT_GT(spreadOf(stated), spreadOf(silent) + 0.0225);
+}
+
 TEST(MovingObjectTrackerTest, ExpectsObjectsWithEvidenceOfMotion) {
   Replay replay;
   replay.frame({seenWalking(0), seenCar(20.0, 5.0)});

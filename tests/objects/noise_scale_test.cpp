@@ -54,5 +54,19 @@ TEST(NoiseScaleTest, ScalesStandardDeviations) {
   EXPECT_DOUBLE_EQ(box.vertical_variance, scale.value() * scale.value());
 }
 
+TEST(NoiseScaleTest, WhatADetectorStatesAndDoesNotScatterByIsShared) {
+  MeasuredBox stated = boxAt(Eigen::Vector3d::Zero());
+  stated.shared_covariance = stated.covariance;
+  NoiseScale precise(0.5), noisy(0.5);
+  for (int k = 0; k < 10; ++k) precise.learn(ExpectedPlace(), stated);
+  MeasuredBox far = stated;
+  far.position.x() = 100.0;
+  noisy.learn(ExpectedPlace(), far);
+  const MeasuredBox box = precise.scaled(stated);
+  EXPECT_LT(box.covariance(0, 0), 0.5 * stated.covariance(0, 0));
+  EXPECT_NEAR((box.covariance + box.shared_covariance - stated.covariance).norm(), 0.0, 1e-12);
+  EXPECT_EQ(noisy.scaled(stated).shared_covariance(0, 0), 0.0) << "it scatters by more";
+}
+
 }  // namespace
 }  // namespace headway::objects

@@ -101,6 +101,7 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   result.score = detection.score;
   result.position = T_map_sensor * box.centre;
   result.covariance = covariance.topLeftCorner<2, 2>();
+  if (detection.centre_covariance) result.shared_covariance = result.covariance;
   result.vertical_variance = covariance(2, 2);
   if (detection.velocity) {
     const MeasuredVelocity velocity = rotated(*detection.velocity, R);
@@ -165,6 +166,7 @@ void NoiseScale::learn(const ExpectedPlace& expected, const MeasuredBox& detecti
 
 MeasuredBox NoiseScale::scaled(MeasuredBox box) const {
   box.covariance *= scale_ * scale_;
+  box.shared_covariance *= std::max(0.0, 1.0 - scale_ * scale_);
   box.vertical_variance *= scale_ * scale_;
   return box;
 }

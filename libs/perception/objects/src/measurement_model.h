@@ -29,14 +29,17 @@ struct MeasuredBox {
   double score = 0.0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();        ///< centre, map frame [m]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< of (x, y), map frame [m^2]
-  double vertical_variance = 1.0;                            ///< of z, map frame [m^2]
-  std::optional<GroundVelocity> velocity;                    ///< if the detector measured it
-  double yaw = 0.0;                                          ///< of the front about map z [rad]
-  double yaw_sigma_rad = 0.15;                               ///< its noise
-  Eigen::Vector3d size = Eigen::Vector3d::Ones();            ///< (length, width, height) [m]
-  double size_sigma_m = 0.2;                                 ///< noise of each of them [m]
-  std::optional<Box2d> box2d;                                ///< [px]
-  Eigen::Vector3d seen_from = Eigen::Vector3d::UnitZ();      ///< centre, optical frame [m]
+  /// Part of the centre's error that consecutive detections share, as the visible part of a body
+  /// does: a filter does not average it out. Of (x, y), map frame [m^2].
+  Eigen::Matrix2d shared_covariance = Eigen::Matrix2d::Zero();
+  double vertical_variance = 1.0;                        ///< of z, map frame [m^2]
+  std::optional<GroundVelocity> velocity;                ///< if the detector measured it
+  double yaw = 0.0;                                      ///< of the front about map z [rad]
+  double yaw_sigma_rad = 0.15;                           ///< its noise
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();        ///< (length, width, height) [m]
+  double size_sigma_m = 0.2;                             ///< noise of each of them [m]
+  std::optional<Box2d> box2d;                            ///< [px]
+  Eigen::Vector3d seen_from = Eigen::Vector3d::UnitZ();  ///< centre, optical frame [m]
   std::optional<std::int64_t> detector_id;
   DetectionEvidence evidence;
   std::optional<TrackId> searched_track;
@@ -102,7 +105,8 @@ class NoiseScale {
   /// Updates the scale by the distance of a detection from its prediction.
   void learn(const ExpectedPlace& expected, const MeasuredBox& detection);
 
-  /// The box with its noise scaled.
+  /// The box with its noise scaled. What a detector states beyond that is shared by consecutive
+  /// detections; a configured noise states nothing.
   [[nodiscard]] MeasuredBox scaled(MeasuredBox box) const;
 
   /// Factor on the standard deviations.

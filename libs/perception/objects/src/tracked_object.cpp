@@ -41,6 +41,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
       filter_(first, params.filter),
       heading_(params.heading),
       motion_class_(params.motion_class),
+      shared_covariance_(first.shared_covariance),
       detector_id_(first.detector_id),
       box2d_(first.box2d),
       seen_from_(first.seen_from),
@@ -56,6 +57,7 @@ TrackedObject::TrackedObject(TrackId id, std::size_t frame, Time time, const Mea
 void TrackedObject::update(std::size_t frame, Time time, const MeasuredBox& detection,
                            bool all_ran) {
   filter_.updatePlace(detection);
+  shared_covariance_ = detection.shared_covariance;
   velocity_measured_ = detection.velocity.has_value();
   if (detection.velocity) filter_.updateVelocity(*detection.velocity);
   filter_.updateSize(detection);
@@ -205,7 +207,7 @@ Eigen::Vector3d TrackedObject::positionAt(Time time) const {
 void TrackedObject::historyAt(std::size_t frame, Time time, MotionHistory& history) const {
   history.object_class = class_.known();
   history.path = trajectory_.path;
-  history.position_covariance = filter_.positionCovariance();
+  history.position_covariance = placeCovariance();
   if (!seenAt(time)) history.path.push_back({frame, time, positionAt(time), filter_.yaw()});
 }
 
@@ -230,7 +232,7 @@ Track TrackedObject::stateAt(Time time) const {
   track.yaw_rate = motion_class_.moving() ? filter_.yawRate() : 0.0;
   track.size = filter_.size();
   track.position_covariance.setZero();
-  track.position_covariance.topLeftCorner<2, 2>() = filter_.positionCovariance();
+  track.position_covariance.topLeftCorner<2, 2>() = placeCovariance();
   track.position_covariance(2, 2) = filter_.verticalVariance();
   track.first_seen = first_seen_;
   track.last_seen = last_seen_;

@@ -96,6 +96,10 @@ class TrackedObject {
   void keepEvidence(Time time, const MeasuredBox& detection);
   void confirm(const DetectionEvidence& evidence);
   [[nodiscard]] Eigen::Vector3d positionAt(Time time) const;
+  /// Of the place over the ground, errors that detections share included [m^2].
+  [[nodiscard]] Eigen::Matrix2d placeCovariance() const {
+    return filter_.positionCovariance() + shared_covariance_;
+  }
   /// The velocity of a track that is not classified as moving.
   void shrinkVelocity(Track& track) const;
 
@@ -108,6 +112,7 @@ class TrackedObject {
   MotionClassifier motion_class_;
   bool velocity_measured_ = false;  ///< by the last detection
   Trajectory trajectory_;
+  Eigen::Matrix2d shared_covariance_;  ///< of the last detection's place [m^2]
   Eigen::Vector3d smoothed_offset_ = Eigen::Vector3d::Zero();  ///< of the path's end to the filter
   std::optional<std::int64_t> detector_id_;
   std::optional<GroundVelocity> detected_velocity_;  ///< as last measured by a detector
