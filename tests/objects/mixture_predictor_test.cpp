@@ -127,6 +127,28 @@ MotionHistory carOn(const std::function<Eigen::Vector2d(double)>& place) {
 }
 
 /// 1.3 m/s after a second are within the 90 % ellipse of who stands, not of a parked car.
+TEST(MixturePredictorTest, WhoHasTurnedIsNotMeasuredByWhereHeCameFrom) {
+  // 1.2 m/s along x until half a second ago, along y since.
+  const auto corner = history([](double t) {
+    return Eigen::Vector2d(1.2 * std::min(t, -0.5), 1.2 * std::max(0.0, t + 0.5));
+  });
+  const auto predictor = makePredictor(PredictorKind::kMixture, PredictorParams());
+  const auto after = predictor->predict({ObjectClass::kPedestrian, corner});
+  const Eigen::Vector2d ahead = placeIn(after.front(), 1.0) - corner.back().position.head<2>();
+  EXPECT_NEAR(ahead.y(), 1.2, 0.3);
+  EXPECT_NEAR(ahead.x(), 0.0, 0.4);
+  PredictorParams patient;
+  patient.manoeuvres.shortest_memory_s = patient.manoeuvres.memory_s;
+  const auto sway =
+      history([](double t) { return Eigen::Vector2d(1.2 * t, 0.03 * std::sin(2.0 * M_PI * t)); });
+  EXPECT_EQ(placeIn(predictor->predict({ObjectClass::kPedestrian, sway}).front(), 3.0),
+            placeIn(makePredictor(PredictorKind::kMixture, patient)
+                        ->predict({ObjectClass::kPedestrian, sway})
+                        .front(),
+                    3.0))
+      << "a gait is no turn";
+}
+
 TEST(MixturePredictorTest, AStandingPersonMaySetOff) {
   MotionHistory known = carOn([](double) { return Eigen::Vector2d(2.0, 1.0); });
   const double parked = std::sqrt(spreadAt(known, 1.0)(0, 0));

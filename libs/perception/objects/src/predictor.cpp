@@ -75,53 +75,95 @@ struct AxisFit {
   }
 };
 
-/// Fits a parabola through the newest position to the path before it.
-///
+/// A parabola through the newest position, fitted to the path before it.
+struct ParabolaFit {
+  Eigen::Vector2d ahead = Eigen::Vector2d::UnitX();        ///< of the path so far, unit length
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< [m/s]
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [m/s^2]
+  Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();
+};
+
 /// Least squares with weights that decrease with age, and with typical values of the class as a
-/// prior, which limits accelerations and turns to those significant against the noise. Low speeds
-/// are reduced, since they may be noise of a static object. The covariance of the velocity contains
-/// the error of the newest position, which rotates the parabola that passes through it, the errors
-/// of the earlier positions, the prior, and that what stands may set off.
+/// prior, which limits accelerations and turns to those significant against the noise. The
+/// covariance of the velocity contains the error of the newest position, which rotates the parabola
+/// that passes through it, the errors of the earlier positions, and the prior.
 ///
-/// @param seen  number of the first positions that are used, at least one: with fewer than all, the
-///              motion as it was known at the last of them
-Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
-                       const ManoeuvreParams& params) {
+/// @param seen   number of the first positions that are used, at least one
+/// @param noise  variance of a position [m^2]
+ParabolaFit fitParabola(const MotionHistory& history, std::size_t seen, double memory_s,
+                        double noise, const ManoeuvreParams& params) {
   const MotionGroup group = motionGroupOf(history.object_class);
-  Manoeuvre result;
-  const Moments m(history.path, seen, params.memory_s.of(group));
-  const Eigen::Vector2d ahead = unitOr(m.dt1, Eigen::Vector2d::UnitX());
-  const Eigen::Vector2d left(-ahead.y(), ahead.x());
-  const Eigen::Matrix2d& places = history.position_covariance;
-  const double noise = square(params.path_noise_m.of(group)) + 0.5 * places.trace();
+  const Moments m(history.path, seen, memory_s);
+  ParabolaFit result;
+  result.ahead = unitOr(m.dt1, Eigen::Vector2d::UnitX());
+  const Eigen::Vector2d left(-result.ahead.y(), result.ahead.x());
   const auto fit = [&](const Eigen::Vector2d& axis, double typical_acceleration_mps2) {
     return AxisFit(m, m.dt1.dot(axis), m.dt2.dot(axis), noise, params.typical_speed_mps.of(group),
                    typical_acceleration_mps2);
   };
-  const AxisFit along = fit(ahead, params.typical_acceleration_mps2.of(group));
+  const AxisFit along = fit(result.ahead, params.typical_acceleration_mps2.of(group));
   const AxisFit across = fit(left, params.typical_lateral_mps2.of(group));
-  const Eigen::Vector2d velocity = along.velocity * ahead + across.velocity * left;
-  const Eigen::Vector2d acceleration = along.acceleration * ahead + across.acceleration * left;
-
+  result.velocity = along.velocity * result.ahead + across.velocity * left;
+  result.acceleration = along.acceleration * result.ahead + across.acceleration * left;
   Eigen::Matrix2d axes;
-  axes << ahead, left;
+  axes << result.ahead, left;
   const Eigen::Matrix2d gain =
       axes * Eigen::Vector2d(along.gain, across.gain).asDiagonal() * axes.transpose();
   result.velocity_covariance =
-      gain * places * gain +
+      gain * history.position_covariance * gain +
       axes * Eigen::Vector2d(along.variance, across.variance).asDiagonal() * axes.transpose();
+  return result;
+}
 
-  const double speed = velocity.norm();
-  result.direction = unitOr(velocity, ahead);
+/// Mean squared distance of a path from a parabola, with the weights of its fit [m^2].
+double misfitOf(const ParabolaFit& fit, const std::vector<TrajectoryPoint>& path, std::size_t seen,
+                double memory_s) {
+  const TrajectoryPoint& now = path[seen - 1];
+  double sum = 0.0, weights = 0.0;
+  for (std::size_t i = seen - 1; i-- > 0;) {
+    const double t = path[i].time - now.time;
+    const double freshness = 1.0 + t / memory_s;
+    if (freshness <= 0.0) break;
+    const Eigen::Vector2d off = (path[i].position - now.position).head<2>() - t * fit.velocity -
+                                0.5 * t * t * fit.acceleration;
+    sum += square(freshness) * off.squaredNorm();
+    weights += square(freshness);
+  }
+  return weights > 0.0 ? sum / weights : 0.0;
+}
+
+/// The motion at the last of the first `seen` positions, as it was known then: a parabola over as
+/// long a past as one fits, so that who walks on is measured precisely and who has turned is not
+/// measured by where he came from. Low speeds are reduced, since they may be noise of a static
+/// object, and what stands may set off.
+Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
+                       const ManoeuvreParams& params) {
+  const MotionGroup group = motionGroupOf(history.object_class);
+  const double noise =
+      square(params.path_noise_m.of(group)) + 0.5 * history.position_covariance.trace();
+  constexpr double kMisfit = 0.25;  // of a position's variance, which a parabola may leave
+  constexpr double kShorter = 0.7;
+  double memory_s = params.memory_s.of(group);
+  ParabolaFit fit = fitParabola(history, seen, memory_s, noise, params);
+  while (memory_s > params.shortest_memory_s.of(group) &&
+         misfitOf(fit, history.path, seen, memory_s) > kMisfit * noise) {
+    memory_s = std::max(kShorter * memory_s, params.shortest_memory_s.of(group));
+    fit = fitParabola(history, seen, memory_s, noise, params);
+  }
+  Manoeuvre result;
+  result.velocity_covariance = fit.velocity_covariance;
+  const double speed = fit.velocity.norm();
+  result.direction = unitOr(fit.velocity, fit.ahead);
   const double fourth = square(square(speed));
   const double moves = fourth / (fourth + square(square(params.standing_speed_mps.of(group))));
   result.velocity_covariance +=
       (1.0 - moves) * square(params.setting_off_mps.of(group)) * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d& d = result.direction;
   result.speed = moves * speed;
-  result.acceleration = moves * acceleration.dot(d);
+  result.acceleration = moves * fit.acceleration.dot(d);
   if (speed > kMinTurningSpeed_mps) {
-    result.turn_rate = moves * (d.x() * acceleration.y() - d.y() * acceleration.x()) / speed;
+    result.turn_rate =
+        moves * (d.x() * fit.acceleration.y() - d.y() * fit.acceleration.x()) / speed;
   }
   return result;
 }
@@ -411,6 +453,8 @@ void ManoeuvreParams::describe(Params::Section section, const std::string& prefi
                                double Values::*of) {
   section.add(prefix + "memory_s", memory_s.*of, 0.1, 100.0, "s",
               "Age beyond which positions have no weight in the fit of the motion");
+  section.add(prefix + "shortest_memory_s", shortest_memory_s.*of, 0.1, 100.0, "s",
+              "The same for an object that has just changed its motion");
   section.add(prefix + "path_noise_m", path_noise_m.*of, 0.001, 10.0, "m",
               "Deviation of exactly known paths from a parabola");
   section.add(prefix + "typical_speed_mps", typical_speed_mps.*of, 0.01, 1000.0, "m/s",

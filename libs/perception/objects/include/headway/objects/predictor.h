@@ -51,6 +51,9 @@ struct PaperPredictorParams {
 struct ManoeuvreParams {
   using Values = PerClass<double>;
   Values memory_s = {2.0, 1.5, 3.8};  ///< age from which a position has no weight in the fit [s]
+  /// The same for an object that has just changed its motion; not so for vehicles, whose paths bend
+  /// all along [s].
+  Values shortest_memory_s = {2.0, 1.5, 0.5};
   Values path_noise_m = {0.1, 0.1, 0.1};        ///< deviation of an exact path from a parabola [m]
   Values typical_speed_mps = {12.0, 5.0, 1.5};  ///< prior of the speed, any direction [m/s]
   /// Prior of the acceleration along the path [m/s^2].
