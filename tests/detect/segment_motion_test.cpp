@@ -69,6 +69,7 @@ TEST(SegmentMotionTest, AcrossTheLineOfSightItIsPlain) {
   ASSERT_TRUE(together);
   EXPECT_GT(together->evidence, 100.0);
   EXPECT_NEAR(together->velocity.x(), 1.2, 0.15);
+  EXPECT_GT(together->span_s, 0.4) << "of its points' observations";
 }
 
 TEST(SegmentMotionTest, AStaticSegmentStands) {

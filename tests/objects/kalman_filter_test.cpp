@@ -112,6 +112,24 @@ TEST(KalmanFilterTest, WeighsAMeasuredVelocityByItsCovariance) {
   EXPECT_NEAR(filter.position().x(), 1.1, 0.05);
 }
 
+TEST(KalmanFilterTest, AMeanOverTheLastSecondIsTheVelocityOfHalfASecondAgo) {
+  const auto velocityBy = [](double age_s) {  // setting off at 1 m/s^2
+    KalmanFilter filter(boxAt(0.0, 0.0), FilterParams());
+    for (int k = 1; k <= 10; ++k) {
+      const double t = 0.1 * k;
+      filter.predict(Transition(0.1, 1.0), false);
+      MeasuredBox box = boxAt(0.5 * t * t, 0.0);
+      box.covariance *= 0.01;
+      filter.updatePlace(box);
+      filter.updateVelocity(
+          {{std::max(0.0, t - 0.5), 0.0}, 0.01 * Eigen::Matrix2d::Identity(), age_s});
+    }
+    return filter.velocity().x();
+  };
+  EXPECT_GT(velocityBy(0.5), 0.85) << "of 1 m/s";
+  EXPECT_LT(velocityBy(0.0), velocityBy(0.5) - 0.1) << "taken for new, it holds the filter back";
+}
+
 TEST(KalmanFilterTest, TurnsOnThroughHalfATurn) {
   KalmanFilter filter(boxAt(0, 0, 3.0), FilterParams());
   const Transition step(0.1, 1.0);

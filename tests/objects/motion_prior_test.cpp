@@ -106,6 +106,27 @@ TEST_P(EveryPriorTest, EndsWhereNoPlaceCanBeBettered) {
   }
 }
 
+TEST(MotionPriorTest, AMeanVelocityIsThatOfTheStepInTheMiddleOfItsTime) {
+  Case walk;
+  for (int j = 0; j < 8; ++j) {
+    PlaceMeasurement m;
+    m.time = 0.1 * j;
+    m.measured = {0.1 * j, 0.0, 0.0};
+    walk.measurements.push_back(m);
+    walk.start.push_back(m.measured);
+  }
+  walk.measurements[7].velocity =
+      GroundVelocity{{3.0, 0.0}, 0.01 * Eigen::Matrix2d::Identity(), 0.35};
+  const auto costOf = [&](std::size_t step) {
+    auto places = walk.start;
+    for (std::size_t j = step; j < places.size(); ++j) places[j].x() += 0.2;
+    return MotionPriorProblem(walk.measurements, {MotionPriorKind::kLeastForce, 1e-6}).cost(places);
+  };
+  for (std::size_t step = 1; step < 8; ++step) {
+    if (step != 4) EXPECT_LT(costOf(4), costOf(step) - 1.0) << "0.3 to 0.4 s, not step " << step;
+  }
+}
+
 TEST(MotionPriorTest, StiffPriorsAndCorrelatedErrorsAreSolvedExactly) {
   constexpr std::size_t kPlaces = 62;  // two seconds at 30 Hz
   constexpr double kStiffness = 1e6;   // of neighbours against a measurement there

@@ -23,7 +23,8 @@ Box3d opticalBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, dou
 }
 
 MeasuredVelocity rotated(const MeasuredVelocity& velocity, const Eigen::Matrix3d& R_new_old) {
-  return {R_new_old * velocity.value, R_new_old * velocity.covariance * R_new_old.transpose()};
+  return {R_new_old * velocity.value, R_new_old * velocity.covariance * R_new_old.transpose(),
+          velocity.age_s};
 }
 
 bool isFinite(const Box2d& box) {
@@ -37,7 +38,8 @@ bool isFinite(const Box3d& box) {
 }
 
 bool isFinite(const MeasuredVelocity& velocity) {
-  return velocity.value.allFinite() && velocity.covariance.allFinite();
+  return velocity.value.allFinite() && velocity.covariance.allFinite() &&
+         std::isfinite(velocity.age_s);
 }
 
 Detections inSensorFrame(const Detections& detections, const Pose& T_robot_sensor) {

@@ -413,7 +413,7 @@ std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrac
     if (motion->evidence < params_.segment_significance || !moves || speed > kMaxSegmentSpeed) {
       return std::nullopt;
     }
-    return MeasuredVelocity{motion->velocity, motion->covariance};
+    return MeasuredVelocity{motion->velocity, motion->covariance, 0.5 * motion->span_s};
   }
   const auto& outline = segment.track.motion;
   if (!outline ||

@@ -307,6 +307,7 @@ std::optional<SegmentMotion> segmentMotion(
     motion.across_sigma = std::sqrt(covariance(1, 1));
   }
   motion.parts = static_cast<int>(all.parts.size());
+  motion.span_s = all.span;
   return motion;
 }
 

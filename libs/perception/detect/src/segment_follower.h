@@ -73,6 +73,7 @@ struct SegmentMotion {
       Eigen::Matrix3d::Identity();  ///< errors common to all parts included
   double evidence = 0.0;            ///< of motion: chi-square of 2 degrees of freedom if static
   int parts = 0;                    ///< it was estimated from
+  double span_s = 0.0;              ///< over which these were observed
   double across = 0.0;  ///< speed across the line of sight by flow alone; 0: not measured [m/s]
   double across_sigma = 0.0;  ///< [m/s]
 };

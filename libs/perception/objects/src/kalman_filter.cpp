@@ -92,15 +92,14 @@ void KalmanFilter::predict(const Transition& transition, bool standing) {
 }
 
 // The 6-state block: joint measurement of x and y (or their rates) with their covariance.
-void KalmanFilter::updatePlanar(int derivative, const Eigen::Vector2d& measured,
+void KalmanFilter::updatePlanar(const Eigen::RowVector3d& row, const Eigen::Vector2d& measured,
                                 const Eigen::Matrix2d& covariance) {
-  const int d = derivative;
-  const Eigen::Matrix2d weight = (planar(d) + covariance).inverse();
-  const Eigen::Vector2d innovation = measured - Eigen::Vector2d(x_.mean(d), y_.mean(d));
+  const Eigen::Matrix2d weight = (planar(row) + covariance).inverse();
+  const Eigen::Vector2d innovation = measured - Eigen::Vector2d(row * x_.mean, row * y_.mean);
   Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with the measurement
   Eigen::Matrix<double, 3, 2> column_y;
-  column_x << x_.covariance.col(d), cross_xy_.col(d);
-  column_y << cross_xy_.row(d).transpose(), y_.covariance.col(d);
+  column_x << x_.covariance * row.transpose(), cross_xy_ * row.transpose();
+  column_y << (row * cross_xy_).transpose(), y_.covariance * row.transpose();
   const Eigen::Matrix<double, 3, 2> gain_x = column_x * weight;
   const Eigen::Matrix<double, 3, 2> gain_y = column_y * weight;
   x_.mean += gain_x * innovation;
@@ -111,12 +110,13 @@ void KalmanFilter::updatePlanar(int derivative, const Eigen::Vector2d& measured,
 }
 
 void KalmanFilter::updatePlace(const MeasuredBox& measured) {
-  updatePlanar(0, measured.position.head<2>(), measured.covariance);
+  updatePlanar(kPlace, measured.position.head<2>(), measured.covariance);
   z_.update(measured.position.z(), measured.vertical_variance);
 }
 
+// A mean over some time is the velocity in the middle of it, before it accelerated since.
 void KalmanFilter::updateVelocity(const GroundVelocity& measured) {
-  updatePlanar(1, measured.value, measured.covariance);
+  updatePlanar({0.0, 1.0, -measured.age_s}, measured.value, measured.covariance);
 }
 
 // Sizes are constant: their chains have no rate. Views that are not better than those before do not
@@ -143,10 +143,11 @@ void KalmanFilter::averageYaw(double measured, double count) {
 
 void KalmanFilter::turnRound() { yaw_.mean(0) = wrapAngle(yaw_.mean(0) + M_PI); }
 
-Eigen::Matrix2d KalmanFilter::planar(int derivative) const {
-  const int d = derivative;
+Eigen::Matrix2d KalmanFilter::planar(const Eigen::RowVector3d& row) const {
+  const double xy = row * cross_xy_ * row.transpose();
   Eigen::Matrix2d covariance;
-  covariance << x_.covariance(d, d), cross_xy_(d, d), cross_xy_(d, d), y_.covariance(d, d);
+  covariance << row * x_.covariance * row.transpose(), xy, xy,
+      row * y_.covariance * row.transpose();
   return covariance;
 }
 

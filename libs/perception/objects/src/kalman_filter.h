@@ -64,16 +64,20 @@ class KalmanFilter {
 
   [[nodiscard]] Eigen::Vector3d position() const { return {x_.mean(0), y_.mean(0), z_.mean(0)}; }
   [[nodiscard]] Eigen::Vector3d velocity() const { return {x_.mean(1), y_.mean(1), z_.mean(1)}; }
-  [[nodiscard]] Eigen::Matrix2d positionCovariance() const { return planar(0); }
-  [[nodiscard]] Eigen::Matrix2d velocityCovariance() const { return planar(1); }
+  [[nodiscard]] Eigen::Matrix2d positionCovariance() const { return planar(kPlace); }
+  [[nodiscard]] Eigen::Matrix2d velocityCovariance() const { return planar(kRate); }
   [[nodiscard]] double verticalVariance() const { return z_.covariance(0, 0); }
   [[nodiscard]] double yaw() const { return yaw_.mean(0); }  ///< in (-pi, pi]
   [[nodiscard]] double yawRate() const { return yaw_.mean(1); }
   [[nodiscard]] Eigen::Vector3d size() const { return {length_.mean(0), width_.mean(0), height_}; }
 
  private:
-  [[nodiscard]] Eigen::Matrix2d planar(int derivative) const;
-  void updatePlanar(int derivative, const Eigen::Vector2d& measured,
+  // What is measured of a chain.
+  inline static const Eigen::RowVector3d kPlace{1.0, 0.0, 0.0}, kRate{0.0, 1.0, 0.0};
+
+  /// Covariance of what a row takes of each chain of x and y.
+  [[nodiscard]] Eigen::Matrix2d planar(const Eigen::RowVector3d& row) const;
+  void updatePlanar(const Eigen::RowVector3d& row, const Eigen::Vector2d& measured,
                     const Eigen::Matrix2d& covariance);
 
   FilterParams params_;

@@ -105,7 +105,8 @@ MeasuredBox MeasurementModel::measured(const Pose& T_map_sensor, const Detection
   result.vertical_variance = covariance(2, 2);
   if (detection.velocity) {
     const MeasuredVelocity velocity = rotated(*detection.velocity, R);
-    result.velocity = {velocity.value.head<2>(), velocity.covariance.topLeftCorner<2, 2>()};
+    result.velocity = {velocity.value.head<2>(), velocity.covariance.topLeftCorner<2, 2>(),
+                       velocity.age_s};
   }
   result.yaw = wrapAngle(std::atan2(front.y(), front.x()));
   result.yaw_sigma_rad = yawSigma(result);

@@ -21,6 +21,7 @@ namespace headway::objects {
 struct GroundVelocity {
   Eigen::Vector2d value = Eigen::Vector2d::Zero();           ///< (x, y), map frame [m/s]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [m^2/s^2]
+  double age_s = 0.0;                                        ///< see MeasuredVelocity [s]
 };
 
 /// A detection in the map frame, with its noise.

@@ -40,11 +40,15 @@ void MotionPriorProblem::addSteps(double acceleration_mps2) {
   for (std::size_t j = 1; j < measurements.size(); ++j) {
     if (!measurements[j].velocity) continue;
     const GroundVelocity& velocity = *measurements[j].velocity;
-    const double dt = measurements[j].time - measurements[j - 1].time;
-    const double change = 0.5 * acceleration_mps2 * dt;
+    const Time middle = measurements[j].time - velocity.age_s;
+    std::size_t to = j;
+    while (to > 1 && measurements[to - 1].time >= middle) --to;
+    const double dt = measurements[to].time - measurements[to - 1].time;
+    const double before = std::max(0.0, measurements[to - 1].time - middle);  // the first place
+    const double change = acceleration_mps2 * (0.5 * dt + before);
     const Eigen::Matrix2d covariance =
         velocity.covariance + change * change * Eigen::Matrix2d::Identity();
-    steps_.push_back({j, dt * velocity.value, covariance.inverse() / (dt * dt)});
+    steps_.push_back({to, dt * velocity.value, covariance.inverse() / (dt * dt)});
   }
 }
 

@@ -72,7 +72,7 @@ struct PlaceMeasurement {
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();         ///< map frame [m]
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< of (x, y) [1/m^2]
   double vertical_information = 1.0;                          ///< of z [1/m^2]
-  std::optional<GroundVelocity> velocity;  ///< of the step that ends here, if measured
+  std::optional<GroundVelocity> velocity;                     ///< if measured
 };
 
 /// Kind and weight of the prior.
@@ -90,7 +90,8 @@ struct PriorStiffness {
 ///     minimise  sum_j rho(|P_j - z_j|^2_Sigma) / 2  +  prior(P)
 ///     least_kinetic:  sum_j  w/2 (|P_j+1 - P_j| / (dt_j + eps))^2 dt_j           eq. (5)
 ///     least_force:    sum_j  w/2 |a_j|^2 (dt_j-1 + dt_j) / 2,  a_j the second difference,
-///                     + sum_j  rho(|(P_j - P_j-1) / dt_j - v_j|^2_Sigma) / 2  for measured v_j
+///                     + sum_j  rho(|(P_j - P_j-1) / dt_j - v_j|^2_Sigma) / 2  for v_j measured
+///                     in the middle of that step or over a time whose middle it contains
 ///
 /// The paper's eq. (5) has no data term, so that all places coincide at its minimum; its eqs. (6)
 /// and (7) are not the derivative of (5). Here the data term is added, and the derivative is

@@ -48,6 +48,8 @@ struct Box3d {
 struct MeasuredVelocity {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< of the object, not of the camera [m/s]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< [m^2/s^2]
+  /// It is a mean over some time, whose middle was so long before the frame [s].
+  double age_s = 0.0;
 };
 
 /// Kinds of evidence for an object in one frame; after fusion it may have several.
