@@ -4,7 +4,6 @@
 
 #include <headway/map/track_geometry.h>
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
-#include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +39,8 @@ constexpr Touch kTouch;
 /// The robot's base: what its navigator asks and commands.
 class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
  public:
-  DrivenBase(const RobotParams& params, const nav::PredictiveObstaclesParams& nav)
-      : params_(params), nav_(nav) {}
+  DrivenBase(const RobotParams& params, double outline_spacing_m)
+      : params_(params), outline_spacing_m_(outline_spacing_m) {}
 
   /// What is known from now on. Wheels measure how it moves.
   void know(Knowledge knowledge, const sim::DriveCommand& motion) {
@@ -67,8 +66,7 @@ class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
     frame_id = "map";
     return true;
   }
-  /// What is in the map now: everybody who is tracked, and, unless PredictiveObstacles adds them,
-  /// the occupied cells.
+  /// Everybody who is tracked, where they are now.
   bool senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTimeStamp& timestamp) override;
 
   bool changeSpeeds(const CVehicleVelCmd& command) override {
@@ -92,10 +90,9 @@ class DrivenBase : public Silent<mrpt::nav::CRobot2NavInterface> {
 
  private:
   void add(const Vector2d& place, CSimplePointsMap& obstacles) const;
-  void addGrid(const mrpt::maps::COccupancyGridMap2D& grid, CSimplePointsMap& obstacles) const;
 
   RobotParams params_;
-  nav::PredictiveObstaclesParams nav_;
+  double outline_spacing_m_;
   Knowledge knowledge_;
   sim::DriveCommand motion_, command_;
   std::vector<Vector2d> felt_;
@@ -110,12 +107,10 @@ bool DrivenBase::senseObstacles(CSimplePointsMap& obstacles, mrpt::system::TTime
   for (const Track& track : knowledge_.map.movingObjects().tracks()) {
     if (!isShown(track)) continue;
     nav::appendOutline(map::footprintOf(track), track.position.head<2>(), track.yaw, {},
-                       nav_.outline_spacing_m, outline);
+                       outline_spacing_m_, outline);
   }
   for (const Vector2d& place : outline) add(place, obstacles);
   for (const Vector2d& place : felt_) add(place, obstacles);
-  const auto grid = knowledge_.map.staticGrid();
-  if (nav_.policy == nav::ObstaclePolicy::kStatic && grid) addGrid(*grid, obstacles);
   return true;
 }
 
@@ -130,19 +125,20 @@ void DrivenBase::add(const Vector2d& place, CSimplePointsMap& obstacles) const {
                         kPointHeight_m);
 }
 
-void DrivenBase::addGrid(const mrpt::maps::COccupancyGridMap2D& grid,
-                         CSimplePointsMap& obstacles) const {
-  constexpr float kOccupiedBelow = 0.35F;  // as PredictiveObstacles
-  const Vector2d here(knowledge_.pose->x, knowledge_.pose->y);
-  for (int row = 0; row < static_cast<int>(grid.getSizeY()); ++row) {
-    for (int column = 0; column < static_cast<int>(grid.getSizeX()); ++column) {
-      if (grid.getCell(column, row) > kOccupiedBelow) continue;
-      const Vector2d place(static_cast<double>(grid.idx2x(column)),
-                           static_cast<double>(grid.idx2y(row)));
-      const double distance = (place - here).norm();
-      if (distance > params_.radius() && distance < nav_.max_range_m) add(place, obstacles);
-    }
-  }
+/// Without predictions nobody is in the map that obstacles are taken from: who moves is where the
+/// base senses him, and what is blocked now counts as ever.
+bool predicts(const nav::PredictiveObstaclesParams& params) {
+  return params.policy != nav::ObstaclePolicy::kStatic;
+}
+
+nav::PredictiveObstaclesParams obstaclesOf(nav::PredictiveObstaclesParams params) {
+  if (!predicts(params)) params.policy = nav::ObstaclePolicy::kTimeGated;
+  return params;
+}
+
+map::PerceptionMap withoutTracks(map::PerceptionMap map) {
+  map.update(map.movingObjects().time(), {}, map.odometryFrame());
+  return map;
 }
 
 /// The obstacles of a drive, sensed once in each step.
@@ -150,7 +146,12 @@ class DriveObstacles : public WatchedObstacles {
  public:
   DriveObstacles(DrivenBase& base, const DriveSetup& setup, Clock clock)
       : WatchedObstacles(
-            base, [&base] { return base.knowledge().map; }, setup.nav, std::move(clock)),
+            base,
+            [&base, predicts = predicts(setup.nav)] {
+              const map::PerceptionMap& map = base.knowledge().map;
+              return predicts ? map : withoutTracks(map);
+            },
+            obstaclesOf(setup.nav), std::move(clock)),
         body_(0.5 * setup.robot.length_m, 0.5 * setup.robot.width_m),
         margin_m_(setup.robot.margin_m) {
     setMinLoggingLevel(mrpt::system::LVL_ERROR);
@@ -195,7 +196,7 @@ class Drive {
         start_s_(world_.now()),
         clock_(start_s_),
         eye_(makeEye(setup.sense, setup.robot, setup.objects, setup.local_layer)),
-        base_(setup.robot, setup.nav),
+        base_(setup.robot, setup.nav.outline_spacing_m),
         obstacles_(base_, setup, [this] { return world_.now(); }),
         navigator_(obstacles_, setup.robot),
         guide_(world_.course(), setup.robot.width_m),

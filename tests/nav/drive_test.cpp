@@ -69,6 +69,22 @@ TEST(DriveTest, APerfectEyeMovesIntoNobody) {
   }
 }
 
+TEST(DriveTest, WithoutPredictionsWhatIsBlockedNowCountsToo) {
+  const auto obstaclesOf = [](bool predicts, bool layer) {
+    DriveSetup setup = hallWith(0, Sense::kImages);
+    setup.local_layer = layer;
+    setup.robot.time_limit_s = 0.6;
+    if (!predicts) setup.nav.policy = nav::ObstaclePolicy::kStatic;
+    std::size_t count = 0;
+    (void)DriveRunner(setup).run(
+        16, [&](const TrialMoment& moment) { count += moment.obstacles.size(); });
+    return count;
+  };
+  const std::size_t with_layer = obstaclesOf(false, true);
+  EXPECT_GT(with_layer, 2 * obstaclesOf(false, false)) << "seen before it is mapped";
+  EXPECT_EQ(with_layer, obstaclesOf(true, true)) << "where nothing moves";
+}
+
 /// A robot in an empty hall that does what its speed governor admits of each command, by images.
 class GovernedDrive {
  public:
