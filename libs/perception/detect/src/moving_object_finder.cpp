@@ -405,25 +405,15 @@ std::optional<MeasuredVelocity> MovingObjectFinder::velocityOf(const SegmentTrac
   const auto motion =
       segmentMotion(segment.segment, SegmentFollower::outlineMotion(segment), segment.across,
                     frame.points, frame.disparity, frame.path, camera_, frame.up, params);
-  if (motion) {
-    const double sigma = sigmaAlong(motion->velocity, motion->covariance);
-    const double speed = motion->velocity.norm();
-    const bool moves = speed > params_.min_speed_mps + sigma ||
-                       motion->across > kMinAcross + 2.0 * motion->across_sigma;
-    if (motion->evidence < params_.segment_significance || !moves || speed > kMaxSegmentSpeed) {
-      return std::nullopt;
-    }
-    return MeasuredVelocity{motion->velocity, motion->covariance, 0.5 * motion->span_s};
-  }
-  const auto& outline = segment.track.motion;
-  if (!outline ||
-      !SegmentFollower::moves(segment, frame.up, pointClassParams(params_), params_.window_s)) {
+  if (!motion) return std::nullopt;
+  const double sigma = sigmaAlong(motion->velocity, motion->covariance);
+  const double speed = motion->velocity.norm();
+  const bool moves = speed > params_.min_speed_mps + sigma ||
+                     motion->across > kMinAcross + 2.0 * motion->across_sigma;
+  if (motion->evidence < params_.segment_significance || !moves || speed > kMaxSegmentSpeed) {
     return std::nullopt;
   }
-  const MeasuredVelocity velocity{overGround(outline->velocity, frame.up),
-                                  outline->velocity_covariance};
-  if (!isFast(velocity, segment.track, frame)) return std::nullopt;
-  return velocity;
+  return MeasuredVelocity{motion->velocity, motion->covariance, 0.5 * motion->span_s};
 }
 
 // The box around the cells, if enough of the points inside it are moving.

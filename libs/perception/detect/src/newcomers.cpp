@@ -17,7 +17,6 @@ namespace {
 constexpr double kBin = 0.05;        // of the density, smoothed by a Gaussian of two of these [m]
 constexpr double kRadius = 0.6;      // of a leg from the centre of a person [m]
 constexpr double kMinSurface = 0.1;  // that is visible [m^2]
-constexpr double kValley = 0.7;      // of the lesser of two maxima: nothing separates them
 
 /// A cell and where it stands over the ground, seen from the camera [m].
 struct Standing {
@@ -83,15 +82,6 @@ class Density {
     return places;
   }
 
-  /// Whether nothing separates two maxima.
-  [[nodiscard]] bool areJoined(const cv::Point2d& a, const cv::Point2d& b) const {
-    const float top = std::min(values_.at<float>(squareOf(a)), values_.at<float>(squareOf(b)));
-    for (double ratio = 0.0; ratio < 1.0; ratio += kBin / cv::norm(b - a)) {
-      if (values_.at<float>(squareOf(a + ratio * (b - a))) < kValley * top) return false;
-    }
-    return true;
-  }
-
  private:
   [[nodiscard]] cv::Point squareOf(const cv::Point2d& place) const {
     return {static_cast<int>((place.x - origin_.x) / kBin),
@@ -136,29 +126,6 @@ std::vector<Group> groupsOf(const std::vector<Standing>& cells, const Density& d
   return groups;
 }
 
-/// Joins the parts of one person.
-void joinParts(const Density& density, std::vector<Group>& groups) {
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    for (std::size_t j = i + 1; j < groups.size();) {
-      Group& a = groups[i];
-      const Group& b = groups[j];
-      const bool are_near = cv::norm(a.centre - b.centre) < kRadius;
-      const bool are_legs = std::max(a.top, b.top) < kMinTop;
-      const double ratio = std::min(a.surface, b.surface) / std::max(a.surface, b.surface);
-      const bool is_limb = ratio < 0.5 && density.areJoined(a.centre, b.centre);
-      if (!are_near || !(are_legs || is_limb)) {
-        ++j;
-        continue;
-      }
-      a.centre = b.surface > a.surface ? b.centre : a.centre;
-      a.surface += b.surface;
-      a.top = std::max(a.top, b.top);
-      a.cells.insert(a.cells.end(), b.cells.begin(), b.cells.end());
-      groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(j));
-    }
-  }
-}
-
 std::optional<UprightSegment> segmentOf(const Group& group,
                                         const stereo::DisparityImage& disparity) {
   if (group.cells.size() < static_cast<std::size_t>(kMinPersonCells)) return std::nullopt;
@@ -192,7 +159,6 @@ std::vector<UprightSegment> newcomers(const cv::Mat& is_new, const StandingCells
   if (cells.empty()) return {};
   const Density density(cells);
   auto groups = groupsOf(cells, density, standing);
-  joinParts(density, groups);
   const auto undecided =
       standingOf(is_new, EmptySpace::kUndecided, standing, disparity, camera, ground);
   for (const Standing& cell : undecided) {

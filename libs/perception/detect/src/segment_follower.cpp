@@ -23,7 +23,6 @@ constexpr double kRowSigma = 30.0;     // feet and heads are cut off at random [
 constexpr double kMaxMissed_s = 0.35;  // three frames at 10 Hz; the next one at any rate
 constexpr double kFlowTime_s = 0.55;   // of the flows kept of a segment, five at 10 Hz
 constexpr std::size_t kMinFlows = 3;   // of these, at any rate: one may be a mismatch
-constexpr double kMinTravel = 0.3;     // within the window [m]
 
 double secondsOf(const std::deque<LateralSpeed>& flows) {
   double seconds = 0.0;
@@ -244,7 +243,7 @@ void SegmentFollower::extend(SegmentTrack& track, UprightSegment segment,
   };
   observations.erase(observations.begin(),
                      std::find_if_not(observations.begin(), observations.end(), old));
-  if (!segment.hidden) observations.push_back({path.newest(), segment.uvd});
+  if (!segment.cut_by_flow) observations.push_back({path.newest(), segment.uvd});
   // Flows of the same images are one measurement.
   const Time now = path.timeOf(path.newest());
   if (segment.across && now - track.last_flow > 0.5 * segment.across->seconds) {
@@ -263,16 +262,6 @@ std::optional<PointMotion> SegmentFollower::outlineMotion(const SegmentTrack& tr
   const auto& motion = track.track.motion;
   if (!motion || motion->observations < kMinFitted) return std::nullopt;
   return motion->movingFit() < kGoodFit ? motion : std::nullopt;
-}
-
-bool SegmentFollower::moves(const SegmentTrack& track, const Eigen::Vector3d& up,
-                            const PointClassParams& params, double window_s) {
-  if (!track.track.motion) return false;
-  PointClassParams strict = params;
-  strict.min_observations = kMinFitted;
-  strict.max_speed = kMaxSegmentSpeed;
-  if (classifyPoint(track.track, up, strict) != PointClass::kMoving) return false;
-  return overGround(track.track.motion->velocity, up).norm() * window_s > kMinTravel;
 }
 
 bool areEnough(const std::deque<LateralSpeed>& flows, const SegmentMotionParams& params) {

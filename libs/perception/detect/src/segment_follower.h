@@ -32,8 +32,8 @@ struct SegmentTrack {
 /// Follows segments of a person's size over a short window to measure their velocities.
 ///
 /// Clothes often show no corners to follow, but the outline in the disparity image moves with the
-/// person. A segment continues the track whose expected place is nearest. The outline of a partly
-/// occluded segment moves with the occluder and is not used.
+/// person. A segment continues the track whose expected place is nearest. The outline of a segment
+/// that its flow alone separates ends where the flow does, and is not used.
 class SegmentFollower {
  public:
   explicit SegmentFollower(const StereoCamera& camera) : camera_(camera), turn_change_(camera) {}
@@ -45,14 +45,8 @@ class SegmentFollower {
   void follow(std::vector<UprightSegment> segments, const CameraPath& path,
               const Eigen::Vector3d& up);
 
-  /// Motion of a track's outline; nullopt where it was occluded or seen in too few frames.
+  /// Motion of a track's outline; nullopt where it was seen in too few frames.
   [[nodiscard]] static std::optional<PointMotion> outlineMotion(const SegmentTrack& track);
-
-  /// Whether a track's outline alone proves significant motion.
-  ///
-  /// @param window_s  in which it must have covered a minimum distance [s]
-  [[nodiscard]] static bool moves(const SegmentTrack& track, const Eigen::Vector3d& up,
-                                  const PointClassParams& params, double window_s);
 
   [[nodiscard]] std::vector<SegmentTrack>& tracks() { return tracks_; }
   void clear() { tracks_.clear(); }

@@ -52,7 +52,6 @@ constexpr double kColumnStepRatio = 0.02;  // or this ratio of it
 constexpr double kMinWidth = 0.2;          // [m]
 constexpr double kMinLegWidth = 0.1;      // where the upper edge of the image leaves legs alone [m]
 constexpr double kMaxUprightWidth = 2.0;  // a cyclist from the side [m]
-constexpr double kHiddenRows = 0.25;      // ratio of rows with an occluder beside them
 
 using Cells = std::vector<ObjectCell>;
 
@@ -84,36 +83,6 @@ Patch takeConnected(cv::Mat& image, const cv::Point& first) {
     }
   }
   return patch;
-}
-
-// Whether an occluder or the edge of the image borders the segment on its left or right.
-bool isHidden(const Cells& cells, double segment_disparity, const cv::Rect& box,
-              const stereo::DisparityImage& disparity) {
-  if (box.x < 2 || box.br().x > disparity.values.cols - 2) return true;
-  std::vector<int> first(box.height, box.br().x);
-  std::vector<int> last(box.height, box.x);
-  for (const auto& cell : cells) {
-    const int row = cell.place.y - box.y;
-    first[row] = std::min(first[row], cell.place.x);
-    last[row] = std::max(last[row], cell.place.x);
-  }
-  const auto nearerAt = [&](int column, int row) {
-    return column >= 0 && column < disparity.values.cols &&
-           disparity.values.at<float>(row + box.y, column) > segment_disparity + kFarther_px;
-  };
-  int beside_left = 0;
-  int beside_right = 0;
-  for (int row = 0; row < box.height; ++row) {
-    bool left = false;
-    bool right = false;
-    for (int off = 1; off <= 4; ++off) {
-      left = left || nearerAt(first[row] - off, row);
-      right = right || nearerAt(last[row] + off, row);
-    }
-    beside_left += left ? 1 : 0;
-    beside_right += right ? 1 : 0;
-  }
-  return std::max(beside_left, beside_right) > kHiddenRows * box.height;
 }
 
 std::vector<Patch> byPerson(Patch&& patch, const stereo::DisparityImage& disparity,
@@ -173,7 +142,6 @@ std::optional<UprightSegment> segmentOf(const Patch& patch, const stereo::Dispar
   segment.uvd = {median(columns), disparity.pixelOf(box.y) + 0.5 * box.height * disparity.reduce,
                  d};
   segment.width_px = box.width * disparity.reduce;
-  segment.hidden = isHidden(segment.cells, d, box, disparity);
   return segment;
 }
 
@@ -337,7 +305,6 @@ std::vector<UprightSegment> segmentsByFlow(const stereo::DisparityImage& dispari
       }
       segment.across = acrossSpeed(segment, flow, camera);
       segment.cut_by_flow = true;
-      segment.hidden = true;  // its outline is where the flow ends
       segments.push_back(std::move(segment));
     }
   }

@@ -43,7 +43,6 @@ struct LateralSpeed {
 struct UprightSegment {
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();  ///< centre of its upper half [px]
   double width_px = 0.0;                          ///< [px]
-  bool hidden = false;       ///< partly occluded, or cut by the edge of the image
   bool cut_by_flow = false;  ///< separated from surroundings of the same depth by flow
   bool is_new = false;       ///< it stands where space was empty
   std::vector<ObjectCell> cells;
