@@ -123,7 +123,8 @@ TEST(MotionPriorTest, AMeanVelocityIsThatOfTheStepInTheMiddleOfItsTime) {
     return MotionPriorProblem(walk.measurements, {MotionPriorKind::kLeastForce, 1e-6}).cost(places);
   };
   for (std::size_t step = 1; step < 8; ++step) {
-    if (step != 4) EXPECT_LT(costOf(4), costOf(step) - 1.0) << "0.3 to 0.4 s, not step " << step;
+    if (step == 4) continue;
+    EXPECT_LT(costOf(4), costOf(step) - 1.0) << "0.3 to 0.4 s, not step " << step;
   }
 }
 

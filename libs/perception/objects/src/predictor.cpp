@@ -132,6 +132,12 @@ double misfitOf(const ParabolaFit& fit, const std::vector<TrajectoryPoint>& path
   return weights > 0.0 ? sum / weights : 0.0;
 }
 
+struct Forgetting {
+  double misfit = 0.25;  ///< that a parabola may leave, of a position's variance
+  double shorter = 0.7;  ///< ratio of the next shorter past
+};
+constexpr Forgetting kForgetting;
+
 /// The motion at the last of the first `seen` positions, as it was known then: a parabola over as
 /// long a past as one fits, so that who walks on is measured precisely and who has turned is not
 /// measured by where he came from. Low speeds are reduced, since they may be noise of a static
@@ -141,13 +147,11 @@ Manoeuvre fitManoeuvre(const MotionHistory& history, std::size_t seen,
   const MotionGroup group = motionGroupOf(history.object_class);
   const double noise =
       square(params.path_noise_m.of(group)) + 0.5 * history.position_covariance.trace();
-  constexpr double kMisfit = 0.25;  // of a position's variance, which a parabola may leave
-  constexpr double kShorter = 0.7;
   double memory_s = params.memory_s.of(group);
   ParabolaFit fit = fitParabola(history, seen, memory_s, noise, params);
   while (memory_s > params.shortest_memory_s.of(group) &&
-         misfitOf(fit, history.path, seen, memory_s) > kMisfit * noise) {
-    memory_s = std::max(kShorter * memory_s, params.shortest_memory_s.of(group));
+         misfitOf(fit, history.path, seen, memory_s) > kForgetting.misfit * noise) {
+    memory_s = std::max(kForgetting.shorter * memory_s, params.shortest_memory_s.of(group));
     fit = fitParabola(history, seen, memory_s, noise, params);
   }
   Manoeuvre result;

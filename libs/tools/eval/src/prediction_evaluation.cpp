@@ -196,6 +196,14 @@ constexpr std::size_t kSecond = 9;  // index of 1.0 s
 enum Course : std::size_t { kStands, kStraightOn, kTurns };
 const std::vector<std::string> kCourses = {"stands", "straight on", "turns"};
 
+struct CourseLimits {
+  double half_s = 0.5;        ///< of the ways before and after
+  std::size_t half_s_on = 4;  ///< index of that horizon
+  double walking_mps = 0.3;   ///< slower: weight is shifted from foot to foot
+  double turn_rad = 0.35;     ///< 40 degrees a second
+};
+constexpr CourseLimits kCourse;
+
 /// True speed over the first second after the prediction [m/s].
 double speedOf(const HorizonPath& future) {
   return (future[kSecond] - future.front()).norm() / (kHorizonStep_s * kSecond);
@@ -203,18 +211,14 @@ double speedOf(const HorizonPath& future) {
 
 /// By the ways in the half seconds before and after; a place before it appeared is not known.
 Course courseOf(const TrueObject& object, Time now, const HorizonPath& future) {
-  constexpr std::size_t kHalfSecond = 4;  // index of 0.5 s
-  constexpr double kHalf_s = 0.5, kMaxGap_s = 0.5;
-  constexpr double kWalking_mps = 0.3;  // slower: weight is shifted from foot to foot
-  constexpr double kTurn_rad = 0.35;    // 40 degrees a second
-  const auto before = object.positionAt(now - kHalf_s, kMaxGap_s);
-  const auto here = object.positionAt(now, kMaxGap_s);
-  if (!before || !here) return speedOf(future) < kWalking_mps ? kStands : kStraightOn;
+  const auto before = object.positionAt(now - kCourse.half_s, kCourse.half_s);
+  const auto here = object.positionAt(now, kCourse.half_s);
+  if (!before || !here) return speedOf(future) < kCourse.walking_mps ? kStands : kStraightOn;
   const Eigen::Vector2d to = (*here - *before).head<2>();
-  const Eigen::Vector2d on = future[kHalfSecond] - here->head<2>();
-  if (to.norm() + on.norm() < 2.0 * kHalf_s * kWalking_mps) return kStands;
+  const Eigen::Vector2d on = future[kCourse.half_s_on] - here->head<2>();
+  if (to.norm() + on.norm() < 2.0 * kCourse.half_s * kCourse.walking_mps) return kStands;
   const double cross = to.x() * on.y() - to.y() * on.x();
-  return std::abs(std::atan2(cross, to.dot(on))) > kTurn_rad ? kTurns : kStraightOn;
+  return std::abs(std::atan2(cross, to.dot(on))) > kCourse.turn_rad ? kTurns : kStraightOn;
 }
 
 /// Cases of each class in named groups.
