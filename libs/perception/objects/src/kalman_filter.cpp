@@ -95,7 +95,7 @@ void KalmanFilter::predict(const Transition& transition, bool standing) {
 void KalmanFilter::updatePlanar(const Eigen::RowVector3d& row, const Eigen::Vector2d& measured,
                                 const Eigen::Matrix2d& covariance) {
   const Eigen::Matrix2d weight = (planar(row) + covariance).inverse();
-  const Eigen::Vector2d innovation = measured - Eigen::Vector2d(row * x_.mean, row * y_.mean);
+  const Eigen::Vector2d innovation = measured - Eigen::Vector2d(row.dot(x_.mean), row.dot(y_.mean));
   Eigen::Matrix<double, 3, 2> column_x;  // covariance of x's chain with the measurement
   Eigen::Matrix<double, 3, 2> column_y;
   column_x << x_.covariance * row.transpose(), cross_xy_ * row.transpose();
@@ -144,10 +144,12 @@ void KalmanFilter::averageYaw(double measured, double count) {
 void KalmanFilter::turnRound() { yaw_.mean(0) = wrapAngle(yaw_.mean(0) + M_PI); }
 
 Eigen::Matrix2d KalmanFilter::planar(const Eigen::RowVector3d& row) const {
-  const double xy = row * cross_xy_ * row.transpose();
+  const auto variance = [&row](const Eigen::Matrix3d& matrix) {
+    return Eigen::RowVector3d(row * matrix).dot(row);
+  };
   Eigen::Matrix2d covariance;
-  covariance << row * x_.covariance * row.transpose(), xy, xy,
-      row * y_.covariance * row.transpose();
+  covariance << variance(x_.covariance), variance(cross_xy_), variance(cross_xy_),
+      variance(y_.covariance);
   return covariance;
 }
 

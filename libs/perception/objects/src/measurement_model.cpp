@@ -22,6 +22,8 @@ auto sortKey(const MeasuredBox& box) {
                          image.left, image.top, image.right, image.bottom);
 }
 
+bool isBefore(const MeasuredBox& a, const MeasuredBox& b) { return sortKey(a) < sortKey(b); }
+
 }  // namespace
 
 std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
@@ -38,13 +40,11 @@ std::vector<MeasuredBox> MeasurementModel::toMap(const Pose& T_map_robot,
     removeBadCovariance(detection, dropped);
     MeasuredBox box = measured(T_map_sensor, detection);
     if (box.position.allFinite() && box.covariance.allFinite() && std::isfinite(box.yaw)) {
-      boxes.push_back(std::move(box));
+      boxes.insert(std::upper_bound(boxes.begin(), boxes.end(), box, isBefore), std::move(box));
     } else {
       ++dropped["nan_box"];
     }
   }
-  std::sort(boxes.begin(), boxes.end(),
-            [](const MeasuredBox& a, const MeasuredBox& b) { return sortKey(a) < sortKey(b); });
   return boxes;
 }
 
