@@ -9,10 +9,10 @@
 // places between, and those of cyclists, are left out.
 #include <headway/core/error.h>
 #include <headway/core/random.h>
-#include <headway/detect/people_by_shape.h>
 #include <headway/io/rawlog_source.h>
 #include <headway/io/track_file.h>
 #include <headway/io/trajectory_file.h>
+#include <headway/stereo/rig_capability.h>
 
 #include <algorithm>
 #include <cmath>
@@ -118,7 +118,7 @@ Exported exportRecording(const std::string& rawlog, std::ofstream& out) {
     if (!ground) continue;
     const auto& camera = context.camera();
     const headway::Pose T_cam_map = (poses[frame->index].value * camera.T_robot_cam).inverse();
-    const double range_m = 1.3 * detect::PeopleByShape::rangeOf(camera);
+    const double range_m = 1.3 * stereo::rigCapability(camera).standing_to_m;
     const auto places = detect::standingPlaces(context.disparity(), camera, *ground, range_m);
     countPeople(places, range_m, camera, truth[frame->index], T_cam_map, exported);
     for (const auto& found : places) {

@@ -28,13 +28,6 @@ struct UsualPerson {
 };
 constexpr UsualPerson kPerson{};
 
-/// To where shapes are told apart [m].
-struct PeopleReach {
-  double depth_sigma_m = 0.12;  ///< of stereo
-  double stereo_m = 12.0;       ///< at most
-  double depth_camera_m = 4.0;  ///< of a RealSense, furniture beyond looks like people
-};
-
 /// A person that the network sees.
 struct Found {
   double score = 0.0;
@@ -104,7 +97,8 @@ class PeopleByShape::Implementation {
 
   std::vector<Found> find(const stereo::DisparityImage& disparity, const StereoCamera& camera,
                           const stereo::GroundPlane& ground) {
-    double range_m = params_.max_range_m > 0.0 ? params_.max_range_m : rangeOf(camera);
+    double range_m = params_.max_range_m > 0.0 ? params_.max_range_m
+                                               : stereo::rigCapability(camera).standing_to_m;
     if (camera.isDepthCamera()) range_m = std::min(range_m, camera.depth_reach_m);
     const auto places = standingPlaces(disparity, camera, ground, range_m);
     if (places.empty()) return {};
@@ -150,14 +144,6 @@ PeopleByShape::PeopleByShape(const ShapeParams& params)
 
 PeopleByShape::~PeopleByShape() = default;
 PeopleByShape::PeopleByShape(PeopleByShape&&) noexcept = default;
-
-double PeopleByShape::rangeOf(const StereoCamera& camera) {
-  constexpr PeopleReach kReach{};
-  if (camera.isDepthCamera()) return std::min(kReach.depth_camera_m, camera.depth_reach_m);
-  const auto rig = stereo::rigCapability(camera);
-  return std::min(kReach.stereo_m,
-                  std::sqrt(kReach.depth_sigma_m * rig.focal_baseline / rig.sigma_disparity_px));
-}
 
 Detections PeopleByShape::detect(const stereo::FrameContext& context) {
   Detections detections = emptyDetections(context.frame());

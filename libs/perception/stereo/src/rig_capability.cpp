@@ -31,6 +31,9 @@ struct DetectionNeeds {
   double walking_speed_mps = 1.4;    ///< Bohannon 1997
   double vehicle_speed_mps = 9.0;    ///< of urban traffic
   double segments_ratio = 1.5;       ///< of people_to_m: beyond, lateral motion alone is seen
+  double max_shape_sigma_m = 0.12;   ///< by which shapes of people are told apart
+  double max_shape_m = 12.0;         ///< by stereo
+  double max_shape_given_m = 4.0;    ///< by depth cameras: a RealSense's furniture resembles people
 };
 
 /// Where stereo matching begins and how fine the dense map is.
@@ -43,6 +46,16 @@ struct MatchingLimits {
   double voxel_step_m = 0.05;
 };
 
+/// How many people are found, measured with three rigs in four worlds (tests/bench/rigs.sh).
+struct FoundPeople {
+  double sure_to = 0.6;            ///< ratio of people_to_m
+  double sure_percent = 97.0;      ///< to there
+  double likely_to = 0.8;          ///< ratio of people_to_m
+  double likely_percent = 80.0;    ///< from sure_to to there
+  double standing_percent = 83.0;  ///< to standing_to_m
+};
+
+constexpr FoundPeople kFound;
 constexpr MountingAssumptions kMounting;
 constexpr DetectionNeeds kNeeds;
 constexpr MatchingLimits kMatching;
@@ -150,6 +163,9 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
       std::min(reach(obstacleReach(rig, camera.fy, rig.low_obstacle_height_m)), rig.obstacles_to_m);
   rig.high_obstacles_to_m = reach(depthOfSigma(rig, kNeeds.max_depth_sigma_m));
   rig.people_to_m = reach(motionReach(rig, kNeeds.walking_speed_mps, assumptions.rate_hz));
+  rig.standing_to_m =
+      is_depth ? measured(kNeeds.max_shape_given_m)
+               : std::min(kNeeds.max_shape_m, depthOfSigma(rig, kNeeds.max_shape_sigma_m));
   rig.vehicles_to_m = reach(motionReach(rig, kNeeds.vehicle_speed_mps, assumptions.rate_hz),
                             assumptions.vehicles_to_m);
   rig.segments_to_m =
@@ -183,8 +199,12 @@ std::string describe(const RigCapability& rig) {
                                          rig.low_obstacles_to_m)
                              : "")
               : formatted("no obstacles of %.2f m", rig.min_obstacle_height_m)) +
-         formatted(", people's motion to %.1f m, vehicles' to %.0f m", rig.people_to_m,
-                   rig.vehicles_to_m);
+         formatted(
+             "; people who walk: %.0f %% found to %.1f m, %.0f %% from there to %.1f m; who "
+             "stand: %.0f %% to %.1f m; vehicles' motion to %.0f m",
+             kFound.sure_percent, kFound.sure_to * rig.people_to_m, kFound.likely_percent,
+             kFound.likely_to * rig.people_to_m, kFound.standing_percent, rig.standing_to_m,
+             rig.vehicles_to_m);
 }
 
 }  // namespace headway::stereo

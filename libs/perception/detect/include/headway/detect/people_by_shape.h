@@ -13,7 +13,7 @@ namespace headway::detect {
 /// Section [shape].
 struct ShapeParams {
   double min_score = 0.95;   ///< of a person [-]
-  double max_range_m = 0.0;  ///< 0: PeopleByShape::rangeOf() the rig [m]
+  double max_range_m = 0.0;  ///< 0: RigCapability::standing_to_m [m]
 
   void describe(Params::Section section);
   void validate() const { validateRanges(*this, "shape"); }  ///< @throws InputError
@@ -40,10 +40,6 @@ class PeopleByShape {
   /// @return  2D and 3D boxes of class Pedestrian with the covariance of their centres; the
   ///          score is the network's probability
   [[nodiscard]] Detections detect(const stereo::FrameContext& context);
-
-  /// To which distance shapes are told apart [m]: by stereo where the standard deviation of a depth
-  /// is 0.12 m, 12 m at most; by a depth camera 4 m.
-  [[nodiscard]] static double rangeOf(const StereoCamera& camera);
 
  private:
   class Implementation;

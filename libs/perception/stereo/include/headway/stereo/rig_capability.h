@@ -41,6 +41,7 @@ struct RigAssumptions {
 ///       contrast against the ground  f b h / (H z) >= 7.5 s; not used where H is unknown
 ///       depth error                  z^2 s / (f b) <= 0.45 m
 ///     dense map                    z^2 s / (f b) <= 0.45 m, in voxels of 1/150 of that depth
+///     shapes of people             z^2 s / (f b) <= 0.12 m, at most 12 m; depth camera 4 m
 ///     motion at a speed v          v >= 3 sigma_v; sigma_v = z^2 s / (f b) sqrt(12 / n) / T
 ///
 /// A depth camera is used from 0.3 m, or z0 / 2, and nothing reaches farther than its depths do.
@@ -66,6 +67,7 @@ struct RigCapability {
   double high_obstacles_to_m = 0.0;    ///< to here if they are higher: the depth error limits [m]
   bool meets_drops = false;            ///< mounted below 1 m: robots meet stairs, cars do not
   double people_to_m = 0.0;            ///< walking people are told from standing ones to here [m]
+  double standing_to_m = 0.0;          ///< standing people are known by their shape to here [m]
   double vehicles_to_m = 0.0;          ///< moving vehicles from parked ones to here [m]
   double segments_to_m = 0.0;          ///< upright segments are tracked to here: 1.5 people_to_m
   double grid_spacing_m = 0.0;         ///< of ground scans: obstacles_to_m / 20, 0.2 to 1 m
@@ -86,7 +88,8 @@ struct RigCapability {
 [[nodiscard]] RigCapability rigCapability(const StereoCamera& camera,
                                           const RigAssumptions& assumptions = {});
 
-/// One line for users, without a line end.
+/// One line for users, without a line end. Of people it says how many were found in simulated
+/// worlds (doc/rigs.md), by ratios of people_to_m.
 [[nodiscard]] std::string describe(const RigCapability& rig);
 
 }  // namespace headway::stereo
