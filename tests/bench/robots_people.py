@@ -13,6 +13,7 @@ import sys
 from robots_grid import percent
 
 RANGES = ("0.5-1.5", "1.5-3", "3-7", "7-")
+TIME_TOLERANCE_S = 1e-3  # times are rounded
 WAYS = ("head-on", "crossing", "leaving", "in a group", "from behind something", "robot turns")
 
 
@@ -36,7 +37,8 @@ def by_way(figures):
     times = sorted(math.inf if time is None else time for f in figures for time in f["first_rows_s"])
     if not times:
         return cells + ["-", "-"]
-    return cells + [f"{times[len(times) // 2]:.2f} s", f"{percent(sum(t <= 1.0 for t in times), len(times))} ({len(times)})"]
+    within = sum(t <= 1.0 + TIME_TOLERANCE_S for t in times)
+    return cells + [f"{times[len(times) // 2]:.2f} s", f"{percent(within, len(times))} ({len(times)})"]
 
 
 def main():

@@ -124,6 +124,9 @@ TEST(PeopleErrorTest, StatesHowLongWhoComesIntoViewHasNoRow) {
   ASSERT_EQ(late.first_rows_s.size(), 1u);
   EXPECT_NEAR(late.medianFirstRow_s().value(), 0.7, 1e-9);
   EXPECT_DOUBLE_EQ(late.withinASecondRatio().value(), 1.0);
+  PeopleError rounded;
+  rounded.first_rows_s = {1.0 + 2e-7};  // of seconds since 1970
+  EXPECT_DOUBLE_EQ(rounded.withinASecondRatio().value(), 1.0);
   const auto too_late = peopleErrorOf(walk(0.0, 1.5));
   EXPECT_NEAR(too_late.medianFirstRow_s().value(), 1.5, 1e-9);
   EXPECT_DOUBLE_EQ(too_late.withinASecondRatio().value(), 0.0);

@@ -286,7 +286,8 @@ std::optional<double> PeopleError::falseTracksPer10Min() const {
 }
 
 std::optional<double> PeopleError::withinASecondRatio() const {
-  const auto later = std::upper_bound(first_rows_s.begin(), first_rows_s.end(), 1.0);
+  const auto later =
+      std::upper_bound(first_rows_s.begin(), first_rows_s.end(), 1.0 + kTimeTolerance_s);
   return ratioOf(static_cast<std::size_t>(later - first_rows_s.begin()), first_rows_s.size());
 }
 std::optional<double> PeopleError::medianFirstRow_s() const {
