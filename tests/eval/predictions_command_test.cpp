@@ -132,8 +132,8 @@ TEST_F(PredictionsCommandTest, CoverageOfWhoStandsAndWhoTurns) {
   EXPECT_EQ(0, result.status) << result.error;
   const auto groups = nlohmann::json::parse(contentOf(out)).at("groups");
   EXPECT_EQ(30, groups.at("Pedestrian, stands").at("cases"));
-  EXPECT_EQ(16, groups.at("Pedestrian, turns").at("cases")) << "frames 20 to 35";
-  EXPECT_EQ(14, groups.at("Pedestrian, straight on").at("cases"));
+  EXPECT_EQ(7, groups.at("Pedestrian, turns").at("cases")) << "frames 37 to 43";
+  EXPECT_EQ(23, groups.at("Pedestrian, straight on").at("cases"));
 }
 
 TEST_F(PredictionsCommandTest, FileErrorsAreOneLine) {
