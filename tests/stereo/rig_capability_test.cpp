@@ -124,7 +124,10 @@ TEST(RigCapabilityTest, IsDescribedInOneLine) {
       "of 0.12 m at 0.3 to 3.0 m, of 0.08 m to 2.0 m; people who walk: 97 % found to 3.0 m, 80 % "
       "from there to 4.0 m; who stand: 83 % to 2.6 m; vehicles' motion to 12 m");
   EXPECT_THAT(describe(rigCapability(cameraOf(640, 480, 450.0, 0.05, {0.0, 0.0}))),
-              testing::HasSubstr("1.65 m above the ground (assumed: no promise of free ground)"));
+              testing::AllOf(testing::HasSubstr(
+                                 "1.65 m above the ground (assumed: no promise of free ground)"),
+                             testing::HasSubstr("; people's motion to 5.0 m; vehicles'")))
+      << "what is found was not measured with cars";
 }
 
 TEST(RigCapabilityTest, WithoutAMountingHeightTheReachOfObstaclesFollowsFromDisparities) {

@@ -181,6 +181,21 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
   return rig;
 }
 
+namespace {
+
+/// The ratios were measured with robots; a car's line says how far a motion is significant.
+std::string peopleText(const RigCapability& rig) {
+  if (!rig.meets_drops) return formatted("; people's motion to %.1f m", rig.people_to_m);
+  return formatted(
+      "; people who walk: %.0f %% found to %.1f m, %.0f %% from there to %.1f m; who stand: %.0f "
+      "%% "
+      "to %.1f m",
+      kFound.sure_percent, kFound.sure_to * rig.people_to_m, kFound.likely_percent,
+      kFound.likely_to * rig.people_to_m, kFound.standing_percent, rig.standing_to_m);
+}
+
+}  // namespace
+
 std::string describe(const RigCapability& rig) {
   const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
   const bool has_low = rig.low_obstacle_height_m < rig.min_obstacle_height_m &&
@@ -199,12 +214,7 @@ std::string describe(const RigCapability& rig) {
                                          rig.low_obstacles_to_m)
                              : "")
               : formatted("no obstacles of %.2f m", rig.min_obstacle_height_m)) +
-         formatted(
-             "; people who walk: %.0f %% found to %.1f m, %.0f %% from there to %.1f m; who "
-             "stand: %.0f %% to %.1f m; vehicles' motion to %.0f m",
-             kFound.sure_percent, kFound.sure_to * rig.people_to_m, kFound.likely_percent,
-             kFound.likely_to * rig.people_to_m, kFound.standing_percent, rig.standing_to_m,
-             rig.vehicles_to_m);
+         peopleText(rig) + formatted("; vehicles' motion to %.0f m", rig.vehicles_to_m);
 }
 
 }  // namespace headway::stereo

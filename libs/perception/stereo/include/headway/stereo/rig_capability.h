@@ -88,8 +88,8 @@ struct RigCapability {
 [[nodiscard]] RigCapability rigCapability(const StereoCamera& camera,
                                           const RigAssumptions& assumptions = {});
 
-/// One line for users, without a line end. Of people it says how many were found in simulated
-/// worlds (doc/rigs.md), by ratios of people_to_m.
+/// One line for users, without a line end. Of people a robot's says how many were found in
+/// simulated worlds (doc/rigs.md), by ratios of people_to_m.
 [[nodiscard]] std::string describe(const RigCapability& rig);
 
 }  // namespace headway::stereo
