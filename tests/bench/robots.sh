@@ -84,11 +84,11 @@ for rig in robot small rgbd; do
   python3 tests/bench/robots_people.py --ways $rig $(for w in yard-loop hall campus warehouse; do figures $w $rig people; done)
 done
 
-# predicted NAME RESULTS KIND: how the predictions of RESULTS came true; no figures if nobody is followed for 3 s
+# predicted NAME RESULTS KIND: how the predictions of RESULTS came true; no figures if no person is followed for 3 s
 predicted() {
   $bin/headway-eval predictions -q -w --truth "$out/$1.truth/label_02.txt" --poses "$out/$1.truth/trajectory.tum" \
-    --extrinsic "$out/$1.truth/calibration.yaml" --estimate "$out/$2/predictions.csv" --json "$out/$1.$3.json" \
-    2> /dev/null || rm -f "$out/$1.$3.json"
+    --extrinsic "$out/$1.truth/calibration.yaml" --estimate "$out/$2/predictions.csv" --json "$out/$1.$3.json" ||
+    rm -f "$out/$1.$3.json"
 }
 
 echo

@@ -6,8 +6,9 @@
 
 Of people who go straight on, turn and stand: the ratios of true positions in the 90 % ellipse at 1, 2 and 3 s.
 """
-import json
 import sys
+
+from robots_grid import read
 
 COURSES = ("straight on", "turns", "stands")
 
@@ -24,10 +25,7 @@ def inside(figures, course):
 
 
 def main():
-    figures = []
-    for path in sys.argv[2:]:
-        with open(path, encoding="utf-8") as file:
-            figures.append(json.load(file))
+    figures = read(sys.argv[2:])
     print(f"| {sys.argv[1]} | " + " | ".join(inside(figures, course) for course in COURSES) + " |")
 
 

@@ -12,6 +12,14 @@ def percent(part, whole):
     return f"{100 * part / whole:.1f} %" if whole else "-"
 
 
+def read(paths):
+    figures = []
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            figures.append(json.load(file))
+    return figures
+
+
 def counts(figures):
     """Obstacles: visible, observed, found and free alone, from the ratios."""
     visible = figures["occupied"]
@@ -21,10 +29,7 @@ def counts(figures):
 
 
 def main():
-    all_figures = []
-    for path in sys.argv[2:]:
-        with open(path, encoding="utf-8") as file:
-            all_figures.append(json.load(file))
+    all_figures = read(sys.argv[2:])
     total = {key: [sum(column) for column in zip(*(counts(f[key]) for f in all_figures))]
              for key in ("in_reach", "ahead")}
     visible, judged, found, free_alone = total["in_reach"]

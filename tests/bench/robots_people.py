@@ -6,11 +6,10 @@
 
 With --ways those who walk by how they come, and the time to their first row: its median and the ratio within a second.
 """
-import json
 import math
 import sys
 
-from robots_grid import percent
+from robots_grid import percent, read
 
 RANGES = ("0.5-1.5", "1.5-3", "3-7", "7-")
 TIME_TOLERANCE_S = 1e-3  # times are rounded
@@ -46,11 +45,7 @@ def main():
     row = by_range
     if arguments[0] == "--ways":
         arguments, row = arguments[1:], by_way
-    figures = []
-    for path in arguments[1:]:
-        with open(path, encoding="utf-8") as file:
-            figures.append(json.load(file))
-    print(f"| {arguments[0]} | " + " | ".join(row(figures)) + " |")
+    print(f"| {arguments[0]} | " + " | ".join(row(read(arguments[1:]))) + " |")
 
 
 if __name__ == "__main__":
