@@ -125,8 +125,8 @@ void DrivenBase::add(const Vector2d& place, CSimplePointsMap& obstacles) const {
                         kPointHeight_m);
 }
 
-/// Without predictions nobody is in the map that obstacles are taken from: who moves is where the
-/// base senses him, and what is blocked now counts as ever.
+/// Without predictions obstacles are taken from a map without tracks: people are where the base
+/// senses them, and what is blocked now counts as ever.
 bool predicts(const nav::PredictiveObstaclesParams& params) {
   return params.policy != nav::ObstaclePolicy::kStatic;
 }

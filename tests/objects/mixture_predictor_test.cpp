@@ -126,7 +126,6 @@ MotionHistory carOn(const std::function<Eigen::Vector2d(double)>& place) {
   return known;
 }
 
-/// 1.3 m/s after a second are within the 90 % ellipse of who stands, not of a parked car.
 TEST(MixturePredictorTest, WhoHasTurnedIsNotMeasuredByWhereHeCameFrom) {
   // 1.2 m/s along x until half a second ago, along y since.
   const auto corner = history([](double t) {
@@ -149,6 +148,7 @@ TEST(MixturePredictorTest, WhoHasTurnedIsNotMeasuredByWhereHeCameFrom) {
       << "a gait is no turn";
 }
 
+/// 1.3 m/s after a second are within the 90 % ellipse of who stands, not of a parked car.
 TEST(MixturePredictorTest, AStandingPersonMaySetOff) {
   MotionHistory known = carOn([](double) { return Eigen::Vector2d(2.0, 1.0); });
   const double parked = std::sqrt(spreadAt(known, 1.0)(0, 0));

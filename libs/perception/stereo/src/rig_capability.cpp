@@ -60,6 +60,15 @@ constexpr MountingAssumptions kMounting;
 constexpr DetectionNeeds kNeeds;
 constexpr MatchingLimits kMatching;
 
+/// The ratios were measured with robots; a car's line says how far a motion is significant.
+std::string peopleText(const RigCapability& rig) {
+  if (!rig.meets_drops) return formatted("; people's motion to %.1f m", rig.people_to_m);
+  return formatted("; people who walk: %.0f %% found to %.1f m, %.0f %% from there to %.1f m",
+                   kFound.sure_percent, kFound.sure_to * rig.people_to_m, kFound.likely_percent,
+                   kFound.likely_to * rig.people_to_m) +
+         formatted("; who stand: %.0f %% to %.1f m", kFound.standing_percent, rig.standing_to_m);
+}
+
 double rounded(double value) {
   const double step = value < 0.95 ? 0.1 : value < 9.75 ? 0.5 : value < 19.5 ? 1.0 : 5.0;
   return std::max(0.1, step * std::round(value / step));
@@ -180,21 +189,6 @@ RigCapability rigCapability(const StereoCamera& camera, const RigAssumptions& as
       valueOr(assumptions.dense_spacing_m, std::clamp(rig.dense_to_m / 24.0, 0.25, 1.0));
   return rig;
 }
-
-namespace {
-
-/// The ratios were measured with robots; a car's line says how far a motion is significant.
-std::string peopleText(const RigCapability& rig) {
-  if (!rig.meets_drops) return formatted("; people's motion to %.1f m", rig.people_to_m);
-  return formatted(
-      "; people who walk: %.0f %% found to %.1f m, %.0f %% from there to %.1f m; who stand: %.0f "
-      "%% "
-      "to %.1f m",
-      kFound.sure_percent, kFound.sure_to * rig.people_to_m, kFound.likely_percent,
-      kFound.likely_to * rig.people_to_m, kFound.standing_percent, rig.standing_to_m);
-}
-
-}  // namespace
 
 std::string describe(const RigCapability& rig) {
   const bool sees_obstacles = rig.obstacles_from_m < rig.obstacles_to_m;
